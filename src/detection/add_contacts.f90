@@ -7,7 +7,8 @@ module sg_add_contacts
   use sg_history, only: carried_of, history_t, past_pair, recall
   use sg_internal_values, only: first_internal, keeps_gap, not_recorded
   use sg_kept_contacts, only: has_moved_in_plane, has_moved_in_space, keep_in_plane, keep_in_space, move_in_plane, move_in_space, &
-                              n_kept_in_plane, n_kept_in_space, n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space
+                              n_kept_in_plane, n_kept_in_space, n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space, &
+                              shorter_reach
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_mohr, status_bonded, status_new
   use sg_neighbours, only: image_of_pair, neighbours_t
@@ -162,8 +163,8 @@ contains
     is_slow = 2*real(substeps, wp)*sqrt(way(1)**2 + way(2)**2 + way(3)**2) <= kept_length(scene, c, a)
   end function is_slow
 
-  !> Add the contacts that a pair had in the last detection, where its shapes are now; if they are kept, and the pair has hardly
-  !! moved since they were found.
+  !> Add the contacts that a pair had in the last detection, where its shapes are now; if they are kept, as far as is looked now, and
+  !! the pair has hardly moved since they were found.
   subroutine add_kept(scene, pairs, history, p, contacts, is_kept)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
@@ -181,6 +182,7 @@ contains
     last = history%first(before + 1) - 1
     if (last < first .or. size(history%kept, 1) /= contacts%n_kept) return
     if (.not. history%kept(1, first) > 0) return
+    if (pairs%alert(pairs%see(p)) > history%kept(contacts%n_kept, first)) return
     offset = offset_of(scene, pairs, p)
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       if (scene%dimension == 2) then
@@ -202,7 +204,7 @@ contains
     integer, intent(in) :: p, first, last
     real(wp), intent(in) :: offset(3), pose(n_pose_in_space)
     type(contacts_t), intent(inout) :: contacts
-    real(wp) :: normal(3), point(3), gap, turn(4)
+    real(wp) :: normal(3), point(3), gap, turn(4), reach, farthest
     integer :: past
 
     if (contacts%n + last - first + 1 > size(contacts%gap)) then
@@ -210,8 +212,11 @@ contains
       if (contacts%is_cut) return
     end if
     associate (a => pairs%contactor(2, p), contactors => scene%contactors)
+      reach = shorter_reach(history%kept(contacts%n_kept, first), pairs%alert(pairs%see(p)), scene%sees(pairs%see(p))%alert)
+      farthest = reach + kept_length(scene, pairs%contactor(1, p), a)
       turn = turn_of(scene, a)
       do past = first, last
+        if (history%kept(contacts%n_kept - 1, past) > farthest) cycle
         if (scene%dimension == 2) then
           call move_in_plane(contactors, a, offset(:2), history%kept(:, past), pose(:n_pose_in_plane), normal(:2), point(:2), gap)
         else
@@ -224,6 +229,7 @@ contains
         else
           contacts%kept(:n_kept_in_space, contacts%n) = history%kept(:n_kept_in_space, past)
         end if
+        contacts%kept(contacts%n_kept, contacts%n) = reach
       end do
     end associate
   end subroutine follow_pair
@@ -246,14 +252,14 @@ contains
       if (scene%dimension == 3) pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
       do k = first, contacts%n
         associate (normal => contacts%normal(:, k), point => contacts%point(:, k), gap => contacts%gap(k), &
-                   kept => contacts%kept(:, k))
+                   alert => pairs%alert(pairs%see(p)), kept => contacts%kept(:, k))
           ! Points of one face have one normal.
           if (any(abs(normal - contacts%normal(:, max(first, k - 1))) > 0) .or. k == first) &
             face = face_of(contactors, c, a, normal)
           if (scene%dimension == 2) then
-            call keep_in_plane(contactors, a, offset(:2), face, pose, normal, point, gap, kept)
+            call keep_in_plane(contactors, a, offset(:2), face, pose, normal, point, gap, alert, kept)
           else
-            call keep_in_space(contactors, a, offset, turn_of(scene, a), face, pose, normal, point, gap, kept)
+            call keep_in_space(contactors, a, offset, turn_of(scene, a), face, pose, normal, point, gap, alert, kept)
           end if
         end associate
       end do

@@ -13,7 +13,7 @@ module sg_detect
   use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
   use sg_path_bound, only: is_clear
   use sg_scene, only: scene_t
-  use sg_sees, only: alert_of
+  use sg_sees, only: alert_of, reduced_alert
   use sg_shape_kinds, only: is_bounding
   use sg_shrink_face, only: shrink_face
   use sg_timers, only: wall_now
@@ -60,7 +60,11 @@ contains
     end if
     call place_contactors(scene%contactors, scene%bodies%middle)
     if (.not. allocated(pairs%alert)) allocate (pairs%alert(size(scene%sees)))
-    pairs%alert(:) = alert_of(scene%sees, pairs%way)
+    if (pairs%is_reduced) then
+      pairs%alert(:) = reduced_alert(scene%sees, pairs%way)
+    else
+      pairs%alert(:) = alert_of(scene%sees, pairs%way)
+    end if
     if (scene%cell%is_on) contacts%upwards = scene%cell%middle([4, 2])
     call touch_all(scene, pairs, history, contacts)
     history%is_loaded = .false.

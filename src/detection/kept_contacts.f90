@@ -6,10 +6,11 @@
 !! due. The change counts from the detection, not from the last step, so that it does not add up. Each column of
 !! `contacts%kept` holds
 !!
-!!     body of the face (0 for none, else 1 + face_of_*) | pose of the candidate | normal | point | gap
+!!     body of the face (0 for none, else 1 + face_of_*) | pose of the candidate | normal | point | gap | reach
 !!                                                         place, turn
 !!
-!! where a turn is a cosine and a sine in the plane and a quaternion in space. Columns go with their contacts into checkpoints and
+!! where a turn is a cosine and a sine in the plane and a quaternion in space, and the reach is the alert distance up to which all
+!! points of the pair are kept. Columns go with their contacts into checkpoints and
 !! messages, so that a run that goes on from there keeps what the other would have kept.
 module sg_kept_contacts
   use sg_contactors, only: contactors_t, kind_polygon, kind_segment
@@ -20,9 +21,10 @@ module sg_kept_contacts
   private
   public :: keep_in_plane, keep_in_space, move_in_plane, move_in_space, pose_in_plane, pose_in_space
   public :: has_moved_in_plane, has_moved_in_space, n_kept_in_plane, n_kept_in_space, n_pose_in_plane, n_pose_in_space
+  public :: shorter_reach
 
   !> Values of a pose, and of a contact that is kept
-  integer, parameter :: n_pose_in_plane = 4, n_pose_in_space = 7, n_kept_in_plane = 10, n_kept_in_space = 15
+  integer, parameter :: n_pose_in_plane = 4, n_pose_in_space = 7, n_kept_in_plane = 11, n_kept_in_space = 16
 
 contains
 
@@ -106,8 +108,18 @@ contains
     exceed = .not. (left >= 0 .and. left**2 >= 4*square*other)
   end function exceed
 
+  !> Reach of the points of a pair that need be kept [m]: those within twice the alert distance, where more are.
+  pure real(wp) function shorter_reach(reach, alert, longest)
+    real(wp), intent(in) :: reach !! of the points that are kept [m]
+    real(wp), intent(in) :: alert !! alert distance of the step [m]
+    real(wp), intent(in) :: longest !! longest one of the pair [m]
+
+    ! Twice, so that a step which looks a little farther need not detect all pairs again.
+    shorter_reach = merge(min(2*alert, longest), reach, reach > 2*alert)
+  end function shorter_reach
+
   !> Store a contact that a detection has found, in the plane.
-  pure subroutine keep_in_plane(contactors, a, offset, face, pose, normal, point, gap, kept)
+  pure subroutine keep_in_plane(contactors, a, offset, face, pose, normal, point, gap, alert, kept)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: a !! antagonist
     real(wp), intent(in) :: offset(2) !! shift of the antagonist [m]
@@ -116,6 +128,7 @@ contains
     real(wp), intent(in) :: normal(2) !! unit normal
     real(wp), intent(in) :: point(2) !! point of contact [m]
     real(wp), intent(in) :: gap !! gap [m]
+    real(wp), intent(in) :: alert !! alert distance up to which points of the pair were sought [m]
     real(wp), intent(out) :: kept(n_kept_in_plane) !! what is kept of it
     real(wp) :: turn(2), way(2)
 
@@ -127,10 +140,11 @@ contains
     kept(6:7) = [turn(1)*normal(1) + turn(2)*normal(2), turn(1)*normal(2) - turn(2)*normal(1)]
     kept(8:9) = [turn(1)*way(1) + turn(2)*way(2), turn(1)*way(2) - turn(2)*way(1)]
     kept(10) = gap
+    kept(11) = alert
   end subroutine keep_in_plane
 
   !> The same in space.
-  pure subroutine keep_in_space(contactors, a, offset, turn, face, pose, normal, point, gap, kept)
+  pure subroutine keep_in_space(contactors, a, offset, turn, face, pose, normal, point, gap, alert, kept)
     type(contactors_t), intent(in) :: contactors !! placed contactors
     integer(i4), intent(in) :: a !! antagonist
     real(wp), intent(in) :: offset(3) !! shift of the antagonist [m]
@@ -140,6 +154,7 @@ contains
     real(wp), intent(in) :: normal(3) !! unit normal
     real(wp), intent(in) :: point(3) !! point of contact [m]
     real(wp), intent(in) :: gap !! gap [m]
+    real(wp), intent(in) :: alert !! alert distance up to which points of the pair were sought [m]
     real(wp), intent(out) :: kept(n_kept_in_space) !! what is kept of it
 
     kept(1) = real(1_i1 + face, wp)
@@ -147,6 +162,7 @@ contains
     kept(9:11) = turned_back(turn, normal)
     kept(12:14) = turned_back(turn, point - contactors%centre(:, a) - offset)
     kept(15) = gap
+    kept(16) = alert
   end subroutine keep_in_space
 
   !> Bring a contact that is kept to where its bodies are now, in the plane.

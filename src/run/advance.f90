@@ -23,13 +23,14 @@ module sg_advance
   use sg_recovery, only: recover
   use sg_relative_epsilon, only: set_relative_epsilon
   use sg_relax_cell, only: begin_cell
-  use sg_report, only: add_substep
+  use sg_report, only: add_effort, add_substep, report_t
+  use sg_sees, only: alert_of
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step
   use sg_timed, only: timed
   use sg_text, only: to_text
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update
-  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls, warn_of_tunnelling
+  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls, warn_of_tunnelling, way_of_solution
   use sg_update_problem, only: can_update, take_impulses, update_problem
   use sg_way_of_step, only: way_of_step
   implicit none
@@ -46,9 +47,9 @@ contains
     if (sim%scene%bodies%has_presence) call timed(change_presence, sim, phase_predict, error)
     do
       call timed(predict_bodies, sim, phase_predict, error)
-      call timed(find_contacts, sim, phase_detect, error)
-      call timed(assemble_problem, sim, phase_assemble, error)
-      call timed(solve_problem, sim, phase_solve, error)
+      sim%pairs%is_reduced = can_look_again(sim)
+      call solve_contacts(sim, error)
+      if (must_look_again(sim, error)) call solve_again(sim, error)
       call timed(update_bodies, sim, phase_update, error)
       if (allocated(error) .or. sim%substep == 1) exit
       ! What concerns the solve of one substep cannot wait for the end of the step.
@@ -59,6 +60,55 @@ contains
     sim%substep = 1
     if (sim%options%recovery > 0) call timed(push_bodies, sim, phase_solve, error)
   end subroutine advance
+
+  !> Contacts of the substep, their problem, and its solution.
+  subroutine solve_contacts(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(inout) :: error
+
+    call timed(find_contacts, sim, phase_detect, error)
+    call timed(assemble_problem, sim, phase_assemble, error)
+    call timed(solve_problem, sim, phase_solve, error)
+  end subroutine solve_contacts
+
+  !> May contacts be sought up to a reduced alert distance, and the step be solved again where that was too short? Where a solve
+  !! leaves nothing behind but its solution.
+  pure logical function can_look_again(sim)
+    type(simulation_t), intent(in) :: sim
+
+    can_look_again = sim%options%substeps == 1 .and. .not. sim%history%is_start .and. .not. sim%options%recovery > 0 .and. &
+                     .not. sim%plan%has_bonds .and. .not. sim%scene%cell%is_on .and. sim%scene%bodies%n_carried == 0 .and. &
+                     sim%contacts%n_carried == 0
+  end function can_look_again
+
+  !> Has the solution moved shapes farther than contacts were sought, and would more have been sought without a reduction?
+  !! Collective.
+  logical function must_look_again(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(in) :: error
+    real(wp) :: way
+
+    must_look_again = .false.
+    if (allocated(error) .or. .not. sim%pairs%is_reduced .or. sim%dump%is_begun) return
+    way = way_of_solution(sim%scene, sim%problem, sim%pairs%slot_of, sim%options%time_step)
+    call sim%comm%maximum(way)
+    associate (alert => sim%pairs%alert)
+      must_look_again = any(way > alert .and. alert < alert_of(sim%scene%sees, sim%pairs%way))
+    end associate
+    if (must_look_again) sim%pairs%way = max(sim%pairs%way, way)
+  end function must_look_again
+
+  !> Solve the step once more, with all contacts up to the whole alert distance; the effort of both solves is that of the step.
+  subroutine solve_again(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(inout) :: error
+    type(report_t) :: first
+
+    first = sim%report
+    sim%pairs%is_reduced = .false.
+    call solve_contacts(sim, error)
+    call add_effort(first, sim%report)
+  end subroutine solve_again
 
   !> Let bodies in and out whose time or place it is. The list of neighbours is then made again, on all ranks.
   subroutine change_presence(sim, error)
