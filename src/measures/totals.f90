@@ -22,7 +22,7 @@ module sg_totals
     [character(len=8) :: 'predict', 'detect', 'assemble', 'solve', 'update', 'measure', 'output']
 
   !> Sums and worst values that `pack` writes before the timers
-  integer, parameter :: n_sums = 21 + 2*n_moment_values
+  integer, parameter :: n_sums = 22 + 2*n_moment_values
   !> Numbers that `pack` writes
   integer, parameter :: n_totals_values = n_sums + 2*(n_phases + 1)
 
@@ -44,6 +44,8 @@ module sg_totals
     integer :: tunnellings = 0
     !> Steps at whose end bodies were pushed apart
     integer :: recoveries = 0
+    !> Steps solved twice, since the first solution moved a body farther than contacts were sought
+    integer :: repeated_steps = 0
     !> Worst step of those that did not converge, 0 for none: the two bodies of the contact that breaks its law by the largest
     !! velocity, and that velocity [m/s]
     integer :: worst_step = 0, worst_bodies(2) = 0
@@ -252,14 +254,14 @@ contains
                        real(self%active_contacts, wp), real(self%most_contacts, wp), self%bytes_per_contact, &
                        real(self%fast_steps, wp), self%worst_penetration, real(self%tunnellings, wp), &
                        real(self%worst_step, wp), real(self%worst_bodies, wp), self%worst_speed, real(self%recoveries, wp), &
-                       self%penetration_at%pack(), self%violation_at%pack()]
+                       real(self%repeated_steps, wp), self%penetration_at%pack(), self%violation_at%pack()]
     values(n_sums + 1:) = [self%phase%cpu, self%phase%wall, self%clock%cpu, self%clock%wall]
   end function totals_pack
 
   !> Can a list of reals be unpacked? Counts are no less than zero and can be counted, seconds are finite.
   pure logical function are_sound(values)
     real(wp), intent(in) :: values(n_totals_values) !! what `pack` may have given
-    integer, parameter :: counts(11) = [1, 2, 3, 10, 11, 12, 14, 16, 21, 22, 22 + n_moment_values], long_counts(2) = [8, 9]
+    integer, parameter :: counts(12) = [1, 2, 3, 10, 11, 12, 14, 16, 21, 22, 23, 23 + n_moment_values], long_counts(2) = [8, 9]
 
     are_sound = all(ieee_is_finite(values([counts, long_counts]))) .and. all(ieee_is_finite(values(n_sums + 1:)))
     if (.not. are_sound) return
@@ -292,8 +294,9 @@ contains
     self%worst_bodies = nint(values(18:19))
     self%worst_speed = values(20)
     self%recoveries = nint(values(21))
-    call self%penetration_at%unpack(values(22:21 + n_moment_values))
-    call self%violation_at%unpack(values(22 + n_moment_values:n_sums))
+    self%repeated_steps = nint(values(22))
+    call self%penetration_at%unpack(values(23:22 + n_moment_values))
+    call self%violation_at%unpack(values(23 + n_moment_values:n_sums))
     self%phase%cpu = values(n_sums + 1:n_sums + n_phases)
     self%phase%wall = values(n_sums + n_phases + 1:n_sums + 2*n_phases)
     self%clock%cpu = values(n_totals_values - 1)

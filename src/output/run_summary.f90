@@ -319,6 +319,7 @@ contains
     call json%add('converged_steps', totals%converged_steps)
     call json%add('unconverged_steps', totals%unconverged_steps)
     call json%add('fast_steps', totals%fast_steps)
+    if (totals%repeated_steps > 0) call json%add('repeated_steps', totals%repeated_steps)
     call json%add('passings', totals%tunnellings)
     if (totals%recoveries > 0) call json%add('recoveries', totals%recoveries)
     call json%add('worst_e1', totals%worst_e1)

@@ -108,6 +108,7 @@ contains
     sim%pairs%is_reduced = .false.
     call solve_contacts(sim, error)
     call add_effort(first, sim%report)
+    sim%totals%repeated_steps = sim%totals%repeated_steps + 1
   end subroutine solve_again
 
   !> Let bodies in and out whose time or place it is. The list of neighbours is then made again, on all ranks.

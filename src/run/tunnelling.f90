@@ -19,7 +19,6 @@ module sg_tunnelling
   use sg_half_width, only: half_width
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
-  use sg_near, only: turning_arm
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t
   use sg_records, only: arm_frictional, arm_frictionless, arm_spin, plain_kind, solid_frictional, solid_frictionless, &
@@ -27,6 +26,7 @@ module sg_tunnelling
   use sg_scene, only: scene_t
   use sg_swept_shapes, only: goes_through
   use sg_text, only: to_text
+  use sg_way_of_step, only: farthest_arm
   implicit none
   private
   public :: tunnelling_t, find_crossed_contacts, find_crossed_walls, warn_of_tunnelling, way_of_solution
@@ -112,7 +112,7 @@ contains
       associate (s => slot_of(scene%contactors%body(c)))
         square = sum(problem%body(velocity_x:velocity_x + n - 1, s)**2)
         if (last > 0) then
-          arm = turning_arm(scene%contactors, c)
+          arm = farthest_arm(scene%contactors, c)
           if (arm > 0) square = (sqrt(square) + sqrt(sum(problem%body(first:last, s)**2))*arm)**2
         end if
       end associate

@@ -18,8 +18,7 @@ from pathlib import Path
 DECKS = Path(__file__).resolve().parents[2] / "input_decks" / "engines"
 PHASES = ("predict", "detect", "assemble", "solve", "update")
 #: Settings of timed steps: plain sweeps, as many as asked for, between one test before and one after them
-TIMED = {"solver.method": '"nlgs"', "solver.tolerance": "1e-40", "interaction[1].alert": "0.02", "output.record_every": "1",
-         "restart.every": "0"}
+TIMED = {"solver.method": '"nlgs"', "solver.tolerance": "1e-40", "output.record_every": "1", "restart.every": "0"}
 #: Steps before the first that counts, which look for neighbours again
 FIRST_STEPS = 10
 

@@ -1,13 +1,13 @@
 !> How far shapes may move in a step, which decides how far apart contacts are sought (doc/theory/detection.md, "Alert distance").
 module sg_way_of_step
-  use sg_contactors, only: kind_point
+  use sg_contactors, only: contactors_t, kind_point
   use sg_extremes, only: largest_magnitude
   use sg_kinds, only: wp
   use sg_scene, only: largest_gravity, scene_t
   use sg_shape_kinds, only: is_round
   implicit none
   private
-  public :: way_of_step
+  public :: farthest_arm, way_of_step
 
 contains
 
@@ -55,8 +55,7 @@ contains
           square = velocity(1, b)**2 + velocity(2, b)**2
           if (n == 3) square = square + velocity(3, b)**2
           if (scene%bodies%n_velocity > n) then
-            arm = sum(abs(contactors%shift(:, c)))
-            if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
+            arm = farthest_arm(contactors, c)
             if (arm > 0) square = (sqrt(square) + sqrt(sum(velocity(n + 1:, b)**2))*arm)**2
           end if
         end associate
@@ -64,4 +63,13 @@ contains
       end do
     end associate
   end function fastest_square
+
+  !> Distance from the centre of its body to the farthest point of a shape that turning moves, at most [m].
+  pure real(wp) function farthest_arm(contactors, c) result(arm)
+    type(contactors_t), intent(in) :: contactors !! all contactors
+    integer, intent(in) :: c !! the one to look at
+
+    arm = sum(abs(contactors%shift(:, c)))
+    if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
+  end function farthest_arm
 end module sg_way_of_step
