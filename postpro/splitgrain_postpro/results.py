@@ -90,21 +90,47 @@ class Results:
         return read_tracks(path, "region") if path.exists() else {}
 
     def interfaces(self, step: int | None = None) -> dict[str, np.ndarray]:
-        """Rows of interfaces.csv of the last recorded step up to this one, one array per column, names in `first` and `second`."""
+        """Pairs of bodies of the last recorded step up to this one, one array per column, names in `first` and `second`.
+
+        They are rows of interfaces.csv; of a run without a record they come from its pictures.
+        """
         rows = self._interface_rows
         if not rows:
-            raise ResultsError(f"{self.folder} has no interfaces.csv: set [[interface]] in the deck")
+            raise ResultsError(f"{self.folder} has no interfaces.csv and no interfaces.vtkhdf: set [[interface]] in the deck")
         steps = np.unique(rows["step"])
         steps = steps if step is None else steps[steps <= step]
         if not len(steps):
-            raise ResultsError(f"{self.folder} has no row of interfaces.csv" + ("" if step is None else f" at or before step {step}"))
+            raise ResultsError(f"{self.folder} has no row of interfaces" + ("" if step is None else f" at or before step {step}"))
         return {name: values[rows["step"] == steps[-1]] for name, values in rows.items()}
 
     @cached_property
     def _interface_rows(self):
-        """interfaces.csv as one array per column; empty when there is none."""
+        """interfaces.csv, or the pictures of interfaces, as one array per column; empty when there are none."""
         path = self.folder / "interfaces.csv"
-        return read_interfaces(path) if path.exists() else {}
+        if path.exists():
+            return read_interfaces(path)
+        return self._pictured_interfaces() if self.interface_pictures is not None else {}
+
+    def _pictured_interfaces(self):
+        """The pictures of interfaces as rows of interfaces.csv have them, all steps one below the other."""
+        steps, axes = self.interface_pictures.field("step"), "xyz" if self.is_in_space else "xy"
+        tables = []
+        for index, step in enumerate(steps[: len(self.interface_pictures)]):
+            grid = self.interface_pictures.step(index)
+            n = len(grid.points)
+            data = {name: np.asarray(values)[:n] for name, values in grid.cell_data.items()}
+            table = {"step": np.full(n, float(step)), "time": np.full(n, grid.time)}
+            for side in ("first", "second"):
+                table[side] = np.array([self.body_names.get(int(b), str(int(b))) for b in data[side]], dtype=object)
+            for name, values in (("", grid.points), ("middle_", data["middle"]), ("normal_", data["normal"]),
+                                 ("force_", data["force"])):
+                table |= {name + axis: values[:, k] for k, axis in enumerate(axes)}
+            table |= {name: data[name] for name in ("normal_force", "tangential_force")}
+            moments = data["moment"].T if self.is_in_space else [data["moment"]]
+            names = [f"moment_{axis}" for axis in axes] if self.is_in_space else ["moment"]
+            table |= dict(zip(names, moments, strict=True))
+            tables.append(table | {name: data[name].astype(float) for name in ("eccentricity", "area", "contacts")})
+        return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]} if tables else {}
 
     def field(self, number: int = 1) -> Field:
         """A coarse-grained field, by its place among the blocks [[field]] of the deck, from 1."""
@@ -133,6 +159,11 @@ class Results:
     def contacts(self) -> Pictures | None:
         """Pictures of the contacts, or None."""
         return self._pictures("contacts.vtkhdf")
+
+    @cached_property
+    def interface_pictures(self) -> Pictures | None:
+        """Pictures of the interfaces, or None."""
+        return self._pictures("interfaces.vtkhdf")
 
     @cached_property
     def picture_times(self) -> np.ndarray:

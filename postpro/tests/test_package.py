@@ -98,6 +98,32 @@ def test_interfaces_have_resultants(tmp_path):
 
 
 @needs_program
+@pytest.mark.parametrize("deck", ["arch", "masonry/dome"])
+def test_pictures_have_the_interfaces_of_the_table(tmp_path, deck):
+    """In the plane and in space, from one rank or two, straight or from a checkpoint; without a record the pictures are the table."""
+    whole = sg.Deck(DECKS / f"{deck}.toml")
+    whole["interface"] = [{}]
+    settings = {"time.steps": 40, "output.every": 20, "output.record_every": 20, "restart.every": 25, "restart.at_end": False,
+                "partition.parts": 2}
+    runs = [whole.run(tmp_path / f"ranks{ranks}", ranks=ranks, set=settings) for ranks in (1, 2)]
+    runs.append(whole.run(tmp_path / "ranks1", set=settings, restart=tmp_path / "ranks1"))
+    table = runs[0].results.interfaces(20)
+    assert len(table["first"]) > 20 and any(not str(name).isdecimal() for name in table["first"])
+    for run in runs[1:]:
+        assert run.results.interface_pictures.field("step").tolist() == [0, 20, 40]
+        assert run.results.interface_pictures.field("ninterfaces").tolist()[0] == 0
+        csv = run.folder / "interfaces.csv"
+        tables = [run.results.interfaces(step) for step in (20, 40)]
+        csv.rename(csv.with_suffix(".kept"))
+        pictured = sg.Run(run.folder)
+        for step, rows in zip((20, 40), tables, strict=True):
+            drawn = pictured.results.interfaces(step)
+            assert list(drawn) == list(rows)
+            for name, values in rows.items():
+                assert drawn[name].tolist() == values.tolist(), name
+
+
+@needs_program
 def test_errors_have_file_line_and_caret(tmp_path):
     (tmp_path / "wrong.toml").write_text(BLOCK.read_text().replace("friction = 0.2", "fiction = 0.2"))
     with pytest.raises(sg.DeckError) as caught:

@@ -32,16 +32,19 @@ contains
     type(simulation_t), intent(inout) :: sim !! after a step
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when the run must end
     type(error_t), allocatable :: late
+    logical :: records, draws
 
     if (sim%options%has_spectrum) call timed(sample_now, sim, phase_measure, error)
     if (sim%options%has_structure .and. is_due(sim, sim%options%structure_every)) call report_structure(sim, error)
     if (allocated(sim%fields) .and. .not. allocated(error)) call timed(sample_fields, sim, phase_measure, error)
     if (allocated(error)) return
-    if (sim%options%record_every > 0 .and. (is_due(sim, sim%options%record_every) .or. is_last(sim))) then
+    records = sim%options%record_every > 0 .and. (is_due(sim, sim%options%record_every) .or. is_last(sim))
+    draws = sim%writers%has_pictures .and. (is_due(sim, sim%options%output_every) .or. is_last(sim))
+    if (sim%interfaces%is_on() .and. (records .or. draws)) call timed(measure_interfaces, sim, phase_measure, error)
+    if (records) then
       call timed(measure_now, sim, phase_measure, error)
       if (sim%tracks%is_on()) call timed(measure_tracks, sim, phase_measure, error)
       if (sim%regions%is_on()) call timed(measure_regions, sim, phase_measure, error)
-      if (sim%interfaces%is_on()) call timed(measure_interfaces, sim, phase_measure, error)
       call watch_energy(sim, error)
       call timed(record_now, sim, phase_output, late)
       if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
@@ -56,7 +59,8 @@ contains
 
     associate (writers => sim%writers)
       if (writers%has_pictures .and. (is_due(sim, sim%options%output_every) .or. is_last(sim))) &
-        call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, sim%comm, error)
+        call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, sim%comm, error, &
+                                    interfaces=sim%interfaces)
       if (.not. allocated(error) .and. writers%has_checkpoints) then
         if (is_due(sim, sim%options%restart_every) .or. (is_last(sim) .and. sim%options%restart_at_end) .or. &
             sim%comm%any(checkpoint_requested())) call save_once(sim, error)

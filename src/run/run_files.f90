@@ -8,6 +8,7 @@ module sg_run_files
   use sg_hdf5, only: hdf5_is_available
   use sg_interface_file, only: interfaces_name
   use sg_numbers, only: write_numbers
+  use sg_pictures_interfaces, only: interfaces_picture_name
   use sg_region_file, only: regions_name
   use sg_restart_files, only: newest_restart
   use sg_run_options, only: criterion_names
@@ -98,6 +99,7 @@ contains
     call sim%writers%summary%add_file('bodies', 'bodies.vtkhdf')
     call sim%writers%summary%add_file('shapes', 'shapes.vtkhdf')
     call sim%writers%summary%add_file('contacts', 'contacts.vtkhdf')
+    if (sim%interfaces%is_on()) call sim%writers%summary%add_file('interfaces_picture', interfaces_picture_name)
     if (.not. resumes) call sim%writers%pictures%write(sim%scene, sim%contacts, sim%time(), 0, sim%comm, error)
   end subroutine open_pictures
 

@@ -57,6 +57,17 @@ STEP 6                        :
 2                             : size
 1                             :
 3                             :
+DOUBLET INTERACTIONS          :
+STEP 1                        :
+DKDKx
+      1
+      3
+DOUBLETS TORQUE EVOLUTION     :
+STEP 8                        :
+      3                       : pairs
+      3       1               : as above
+      2       3
+      2      99               : no such body
 SNAPSHOT SAMPLE               :
 STEP 50                       :
 THERMAL EVOLUTION             :
@@ -120,10 +131,12 @@ class Convert(ProgramCase):
     def test_postpro_file(self):
         (self.place / "DATBOX" / "POSTPRO.DAT").write_text(POSTPRO)
         deck, printed = self.converted()
-        self.assertEqual(deck["output"], {"every": 50, "record_every": 2})
+        self.assertEqual(deck["output"], {"every": 50, "record_every": 1})
         self.assertEqual([block["body"] for block in deck["track"]], [2, 1, 3])
+        self.assertEqual([block["between"] for block in deck["interface"]], [[1, 3], [2, 3]])
         self.assertEqual(printed.count("POSTPRO.DAT: warning"), 1)
         self.assertRegex(printed, r"in record\.csv: SOLVER INFORMATIONS; in tracks\.csv \(\[\[track\]\]\): BODY TRACKING, NEW RIGID SETS; "
+                                  r"in interfaces\.csv \(\[\[interface\]\]\): DOUBLET INTERACTIONS, DOUBLETS TORQUE EVOLUTION; "
                                   r"in pictures \(\[output\] every\): SNAPSHOT SAMPLE; nowhere: THERMAL EVOLUTION\n")
         # Pictures need HDF5.
         printed = self.run_program("run", "deck.toml", "--quiet", "--set", "time.steps=1", "--set", "output.every=0").stderr
@@ -161,19 +174,19 @@ class Convert(ProgramCase):
     def test_table_of_the_guide(self):
         """Each command of the table in the guide has the counterpart that the program reports, and the columns named there exist."""
         guide = (SOURCE / "doc/guide/datbox.md").read_text().partition("## POSTPRO.DAT")[2].partition("\n## ")[0]
-        rows = re.findall(r"^\| `([^`]+)` \| (record\.csv|tracks\.csv|pictures|nothing) \| (.*) \|$", guide, re.M)
+        rows = re.findall(r"^\| `([^`]+)` \| (record\.csv|tracks\.csv|interfaces\.csv|pictures|nothing) \| (.*) \|$", guide, re.M)
         self.assertGreaterEqual(len(rows), 44)
-        clauses = {"record.csv": "in record.csv", "tracks.csv": "in tracks.csv ([[track]])", "pictures": "in pictures ([output] every)",
-                   "nothing": "nowhere"}
+        clauses = {"record.csv": "in record.csv", "tracks.csv": "in tracks.csv ([[track]])",
+                   "interfaces.csv": "in interfaces.csv ([[interface]])", "pictures": "in pictures ([output] every)", "nothing": "nowhere"}
         (self.place / "DATBOX" / "POSTPRO.DAT").write_text("".join(f"{name}\nSTEP 1\n" for name, _, _ in rows) + "END\n")
         _, printed = self.converted()
         line = next(line for line in printed.splitlines() if "POSTPRO.DAT: warning" in line)
         found = dict(clause.split(": ", 1) for clause in line.partition("; ")[2].split("; "))
         self.assertEqual(found, {clause: ", ".join(name for name, place, _ in rows if place == key) for key, clause in clauses.items()})
         source = (SOURCE / "src/datbox/read/datbox_postpro.f90").read_text().partition("contains")[0]
-        self.assertLessEqual(set(re.findall(r"'([^',&\n]{9,})'", source)), {name for name, _, _ in rows})
+        self.assertLessEqual(set(re.findall(r"'([^',&\n]{9,})'", source)) - {"interface"}, {name for name, _, _ in rows})
         named = set(re.findall(r"`([a-z_0-9]+)`", " ".join(row[2] for row in rows)))
-        pages = "".join((SOURCE / "doc/guide" / name).read_text() for name in ("results.md", "tracks.md", "files.md"))
+        pages = "".join((SOURCE / "doc/guide" / name).read_text() for name in ("results.md", "tracks.md", "files.md", "interfaces.md"))
         self.assertEqual({name for name in named if f"`{name}`" not in pages}, set())
 
     def test_real_folders(self):

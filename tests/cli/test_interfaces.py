@@ -203,7 +203,7 @@ class Interfaces(ProgramCase):
             with self.subTest(words=words):
                 self.assertIn(sentence, self.run_deck(text + "[[interface]]\n" + words + "\n", code=2).stderr)
         done = self.run_deck(text + "[[interface]]\n", "--set", "output.record_every=0")
-        self.assertIn("[[interface]] has no effect with output.record_every = 0", done.stderr)
+        self.assertIn("[[interface]] has no effect with output.record_every = 0 and output.every = 0", done.stderr)
         self.run_deck(text)
         self.assertFalse((self.place / "out" / "interfaces.csv").exists())
 

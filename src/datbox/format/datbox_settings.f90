@@ -1,4 +1,4 @@
-!> Keys of a deck that files next to a DATBOX give, with where each was found: time step, solver, tracked bodies.
+!> Keys of a deck that files next to a DATBOX give, with where each was found: time step, solver, tracked bodies, interfaces.
 module sg_datbox_settings
   use sg_kinds, only: wp
   use sg_numerals, only: read_real
@@ -14,10 +14,13 @@ module sg_datbox_settings
     type(text_t), allocatable :: keys(:), values(:), notes(:)
     !> Numbers of bodies to track
     integer, allocatable :: tracked(:)
+    !> Numbers of two bodies whose contacts are summed, shape (2, pairs)
+    integer, allocatable :: pairs(:, :)
   contains
     procedure :: put => settings_put
     procedure :: put_setting => settings_put_setting
     procedure :: track => settings_track
+    procedure :: add_pair => settings_add_pair
     procedure :: section_text => settings_section_text
     procedure, private :: place_of => settings_place_of
   end type datbox_settings_t
@@ -83,6 +86,24 @@ contains
     grown(n + 1) = body
     call move_alloc(grown, self%tracked)
   end subroutine settings_track
+
+  !> Sum the contacts of a pair of bodies, once.
+  pure subroutine settings_add_pair(self, pair)
+    class(datbox_settings_t), intent(inout) :: self
+    integer, intent(in) :: pair(2) !! numbers of the two bodies
+    integer, allocatable :: grown(:, :)
+    integer :: i, n
+
+    n = 0
+    if (allocated(self%pairs)) n = size(self%pairs, 2)
+    do i = 1, n
+      if (all(self%pairs(:, i) == pair) .or. all(self%pairs(:, i) == pair([2, 1]))) return
+    end do
+    allocate (grown(2, n + 1))
+    if (n > 0) grown(:, :n) = self%pairs
+    grown(:, n + 1) = pair
+    call move_alloc(grown, self%pairs)
+  end subroutine settings_add_pair
 
   !> A section of the deck, with its heading and a line per key; empty where it has no key.
   pure function settings_section_text(self, section) result(text)

@@ -1,5 +1,5 @@
 !> Reads the POSTPRO.DAT of a DATBOX: where the record, tracks and pictures of a run hold what its commands ask for
-!! (doc/guide/datbox.md), bodies to track, and steps between two rows or pictures.
+!! (doc/guide/datbox.md), bodies to track, pairs of bodies to sum, and steps between two rows or pictures.
 !!
 !! A command stands in columns 1 to 30, before a line `STEP n`; its data follow.
 module sg_datbox_postpro
@@ -14,8 +14,9 @@ module sg_datbox_postpro
 
   !> Columns of a command, and most bodies of sets that are tracked
   integer, parameter :: width = 30, most_tracked = 1000
-  !> Counterparts of commands: record.csv, [[track]], pictures, nothing
-  character(len=8), parameter, public :: postpro_counterparts(4) = [character(len=8) :: 'record', 'track', 'pictures', 'nothing']
+  !> Counterparts of commands: record.csv, [[track]], [[interface]], pictures, nothing
+  character(len=9), parameter, public :: postpro_counterparts(5) = [character(len=9) :: 'record', 'track', 'interface', &
+    'pictures', 'nothing']
   character(len=*), parameter :: in_record(18) = [character(len=width) :: 'SOLVER INFORMATIONS', 'AVERAGE VELOCITY EVOLUTION', &
     'SPECIES KINETIC ENERGY', 'KINETIC ENERGY', 'COORDINATION NUMBER', 'DENSE SAMPLE COMPACITY', 'COMPACITY EVOLUTION', &
     'TRIAXIAL COMPACITY', 'QUASI SLIDING CONTACT', 'DISSIPATED ENERGY', 'DRY CONTACT NATURE', 'VIOLATION EVOLUTION', &
@@ -23,9 +24,9 @@ module sg_datbox_postpro
     'WET CONTACT NATURE']
   character(len=*), parameter :: in_tracks(4) = [character(len=width) :: 'BODY TRACKING', 'TORQUE EVOLUTION', 'NEW RIGID SETS', &
     'NEW BOUNDED SETS']
-  character(len=*), parameter :: in_pictures(8) = [character(len=width) :: 'SNAPSHOT SAMPLE', 'MP SNAPSHOT SAMPLE', &
-    'CONTACT FORCE DISTRIBUTION', 'DOUBLET INTERACTIONS', 'DOUBLETS TORQUE EVOLUTION', 'NETWORK EVOLUTION', 'INTER ANALYSIS', &
-    'CLOUD ANALYSIS']
+  character(len=*), parameter :: one_pair = 'DOUBLET INTERACTIONS', list_of_pairs = 'DOUBLETS TORQUE EVOLUTION'
+  character(len=*), parameter :: in_pictures(6) = [character(len=width) :: 'SNAPSHOT SAMPLE', 'MP SNAPSHOT SAMPLE', &
+    'CONTACT FORCE DISTRIBUTION', 'NETWORK EVOLUTION', 'INTER ANALYSIS', 'CLOUD ANALYSIS']
 
 contains
 
@@ -37,6 +38,7 @@ contains
     counterpart = 'nothing'
     if (any(in_record == command)) counterpart = 'record'
     if (any(in_tracks == command)) counterpart = 'track'
+    if (command == one_pair .or. command == list_of_pairs) counterpart = 'interface'
     if (any(in_pictures == command)) counterpart = 'pictures'
   end function postpro_counterpart
 
@@ -78,6 +80,8 @@ contains
       sentence = sentence//'; in record.csv: '
     case ('track')
       sentence = sentence//'; in tracks.csv ([[track]]): '
+    case ('interface')
+      sentence = sentence//'; in interfaces.csv ([[interface]]): '
     case ('pictures')
       sentence = sentence//'; in pictures ([output] every): '
     case default
@@ -86,7 +90,8 @@ contains
     sentence = sentence//joined(found, ', ')
   end subroutine add_clause
 
-  !> Take keys of a deck from POSTPRO.DAT: steps between rows of the record and between pictures, and bodies to track.
+  !> Take keys of a deck from POSTPRO.DAT: steps between rows of the record and between pictures, bodies to track, and pairs
+  !! of bodies whose contacts are summed.
   subroutine read_postpro(folder, n_bodies, settings, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     integer, intent(in) :: n_bodies !! bodies of the scene: others are not tracked
@@ -106,6 +111,9 @@ contains
       case ('track')
         record_every = min(record_every, every)
         call track_bodies(file, command, n_bodies, settings)
+      case ('interface')
+        record_every = min(record_every, every)
+        call pair_bodies(file, command, n_bodies, settings)
       case ('pictures')
         pictures_every = min(pictures_every, every)
       end select
@@ -165,6 +173,53 @@ contains
       end do
     end do
   end subroutine track_bodies
+
+  !> Sum the contacts of the pairs that the data of a command list: the kind of contact and a body on each of two lines, or a count
+  !! and two bodies per line.
+  subroutine pair_bodies(file, command, n_bodies, settings)
+    type(datbox_file_t), intent(inout) :: file
+    character(len=*), intent(in) :: command
+    integer, intent(in) :: n_bodies
+    type(datbox_settings_t), intent(inout) :: settings
+    integer :: pairs, pair(2), i
+
+    pairs = 1
+    if (command == list_of_pairs) pairs = next_number(file)
+    if (command == one_pair) then
+      if (.not. next_line(file)) return
+    end if
+    do i = 1, pairs
+      if (command == one_pair) then
+        pair(1) = next_number(file)
+        pair(2) = next_number(file)
+      else
+        pair = next_numbers(file)
+      end if
+      if (any(pair < 1)) return
+      if (all(pair <= n_bodies) .and. pair(1) /= pair(2)) call settings%add_pair(pair)
+    end do
+  end subroutine pair_bodies
+
+  !> The two whole numbers of the next line; 0 where there are none.
+  function next_numbers(file) result(numbers)
+    type(datbox_file_t), intent(inout) :: file
+    integer :: numbers(2)
+    character(len=:), allocatable :: words
+    logical :: is_number(2)
+    integer :: blank
+
+    numbers = 0
+    if (.not. next_line(file)) return
+    words = trim(adjustl(columns(file, 1, width)))
+    if (index(words, ':') > 0) words = trim(words(:index(words, ':') - 1))
+    blank = index(words//' ', ' ')
+    call read_integer(words(:blank - 1), numbers(1), is_number(1))
+    words = adjustl(words(min(blank, len(words) + 1):))
+    call read_integer(words(:index(words//' ', ' ') - 1), numbers(2), is_number(2))
+    if (all(is_number)) return
+    numbers = 0
+    call go_to(file, file%at - 1)
+  end function next_numbers
 
   !> The whole number of the next line; 0 where there is none.
   integer function next_number(file) result(number)

@@ -43,6 +43,12 @@ contains
         text = text//nl//'[[track]]'//nl//'body = '//to_text(found%tracked(i))//'  # POSTPRO.DAT'//nl
       end do
     end if
+    if (allocated(found%pairs)) then
+      do i = 1, size(found%pairs, 2)
+        text = text//nl//'[[interface]]'//nl//'between = ['//to_text(found%pairs(1, i))//', '//to_text(found%pairs(2, i))// &
+               ']  # POSTPRO.DAT'//nl
+      end do
+    end if
     call replace_file(deck, text, error)
   end subroutine write_datbox_deck
 

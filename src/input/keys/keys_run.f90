@@ -265,8 +265,8 @@ contains
     type(key_table_t), intent(inout) :: table
 
     call table%open_section('interface', 'Pairs of bodies of which the contacts have resultants, one row per pair and recorded '// &
-                            'step in interfaces.csv: normal and tangential force, moment, centre of pressure, eccentricity, '// &
-                            'area (guide/interfaces.md). Without a key all pairs.', is_list=.true.)
+                            'step in interfaces.csv, and in pictures: normal and tangential force, moment, centre of pressure, '// &
+                            'eccentricity, area (guide/interfaces.md). Without a key all pairs.', is_list=.true.)
     call table%add('between', value_bodies, 'The two bodies, by name, in which * stands for any letters and ? for one, or by '// &
                    'number: all pairs of a body of the first pattern and one of the second.')
     call table%add('colours', value_texts, 'In place of bodies: two colours of shapes, or "any".')

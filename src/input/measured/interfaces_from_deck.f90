@@ -38,9 +38,9 @@ contains
       found%number = int(deck%named, i4)
       found%name = deck%names
     end if
-    if (options%record_every == 0) &
-      call deck%warn(diagnostics, '[[interface]] has no effect with output.record_every = 0', deck%block_of('interface'), &
-                     kind='interface without record')
+    if (options%record_every == 0 .and. options%output_every == 0) &
+      call deck%warn(diagnostics, '[[interface]] has no effect with output.record_every = 0 and output.every = 0', &
+                     deck%block_of('interface'), kind='interface without record')
     call move_alloc(found, options%interfaces)
   end subroutine interfaces_from_deck
 
