@@ -87,7 +87,7 @@ contains
     integer :: i
 
     has_bonds = any([(is_cohesive_zone(scene%laws(i)), i=1, size(scene%laws))])
-    has_rolling = any(resists_rolling(scene%laws))
+    has_rolling = any(resists_rolling(scene%laws)) .or. scene%bears_moments
     ! A rank alone may hold one kind of bodies of several: a column that the run lacks is reported before its first step.
     measures = unmeasured(scene%dimension, has_bonds, options%record_mean, [(.true., i=1, n_body_kinds)], &
                           has_rolling)

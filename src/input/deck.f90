@@ -14,6 +14,7 @@ module sg_deck
   use sg_mesh_bodies, only: bodies_of_meshes
   use sg_options_from_deck, only: options_from_deck
   use sg_repeat_blocks, only: repeat_blocks
+  use sg_rolling_checks, only: stages_bear_moments
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   use sg_scene_from_deck, only: scene_from_deck
@@ -81,6 +82,7 @@ contains
     call list_stages(deck, run, diagnostics)
     if (diagnostics%count() > 0) return
     call run%place()
+    deck%bears_moments = stages_bear_moments(deck)
     whole = deck
     call read_stage(whole, run, run%number, deck, scene, options, diagnostics)
     if (.not. run%are_checked .and. diagnostics%count() == 0) call check_stages(whole, run, diagnostics)

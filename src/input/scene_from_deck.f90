@@ -56,6 +56,7 @@ contains
     if (scene%dimension == 3) scene%period_y = deck%number(b, 'period_y')
     scene%shrink = deck%number(b, 'shrink_faces')
     scene%kept_motion = deck%number(b, 'kept_motion')
+    scene%bears_moments = deck%bears_moments
     call cell_from_deck(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
     if (deck%is_given(b, 'datbox')) then

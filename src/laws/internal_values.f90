@@ -8,8 +8,8 @@ module sg_internal_values
   public :: most_internal, not_recorded, n_internal_of, keeps_gap, first_internal
   public :: bond_surface, bond_opening, bond_integrity, bond_onset, bond_slip, never
 
-  !> Values that a law keeps at most
-  integer, parameter :: most_internal = 7
+  !> Values that a contact keeps at most: those of a law, and a moment in space
+  integer, parameter :: most_internal = 10
   !> Places of the values of a cohesive zone: surface [m2; m in the plane], opening [m], integrity (1 whole, 0 broken), time at
   !! which it first fell [s], slip [m]; the slip is the last of them, in space a vector of three components in the world's axes
   integer, parameter :: bond_surface = 1, bond_opening = 2, bond_integrity = 3, bond_onset = 4, bond_slip = 5

@@ -18,13 +18,13 @@ module sg_assemble
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_problem_bodies, only: load_bodies, take_velocities
-  use sg_records, only: arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictionless, &
-                        arm_frictionless_bias, arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, &
-                        arm_gyration, arm_law, arm_rolling, arm_rolling_length, arm_slip, arm_stiffness_n, arm_wnn, arm_wtt, &
-                        ball_frictional, force_length, has_moments, is_compact, is_in_space, normal_x, normal_y, normal_z, &
-                        plain_kind, round_bias_n, round_bias_t, round_friction, round_frictionless, round_frictionless_bias, &
-                        round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, solid_frictional, solid_gyration, &
-                        solid_rolling, solid_wnn
+  use sg_records, only: arm_bias_t, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictionless, &
+                        arm_frictionless_bias, arm_frictionless_inverse_wnn, arm_frictionless_moment_a, &
+                        arm_frictionless_moment_c, arm_gyration, arm_law, arm_rolling_length, arm_slip, arm_stiffness_n, arm_wnn, &
+                        arm_wtt, ball_frictional, bears_bonds, bond_shift, force_length, has_moments, is_compact, is_in_space, &
+                        normal_x, normal_y, normal_z, plain_kind, round_bias_n, round_bias_t, round_friction, round_frictionless, &
+                        round_frictionless_bias, round_frictionless_inverse_wnn, round_inverse_wnn, round_inverse_wtt, &
+                        solid_frictional, solid_gyration, solid_wnn
   use sg_scene, only: largest_gravity, scene_t
   use sg_status_by_gaps, only: find_statuses
   implicit none
@@ -153,7 +153,7 @@ contains
 
     bound = law%friction
     if (.not. has_moments(kind)) return
-    length = record(merge(solid_gyration, arm_gyration, kind == solid_rolling))
+    length = record(merge(solid_gyration, arm_gyration, is_in_space(kind)))
     if (length > 0) bound = norm2([law%friction, law%moment_arm/length])
   end function largest_bound
 
@@ -242,8 +242,8 @@ contains
       record(arm_cohesion) = law%cohesion
       record(arm_compliance_n:arm_compliance_t) = law%compliance
       record(arm_law) = kind_of_local_law(law)
-      if (kind == arm_bonded) record(arm_stiffness_n:arm_slip) = [law%stiffness, law%slip(1)]
-      if (kind == arm_rolling) record(arm_rolling_length) = law%moment_arm(1)
+      if (bears_bonds(kind)) record(arm_stiffness_n + bond_shift(kind):arm_slip + bond_shift(kind)) = [law%stiffness, law%slip(1)]
+      if (has_moments(kind)) record(arm_rolling_length) = law%moment_arm(1)
     end if
   end subroutine arm_record
 

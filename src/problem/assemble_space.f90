@@ -6,13 +6,13 @@ module sg_assemble_space
   use sg_laws, only: kind_of_local_law, local_law_t
   use sg_mapping_space, only: space_arms, space_relative_velocity, tangent_of
   use sg_records, only: ball_bias_x, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, ball_frictionless_bias, &
-                        ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, normal_x, normal_z, plain_kind, &
-                        solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, solid_bias_z, solid_bonded, &
-                        solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, &
-                        solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, &
-                        solid_frictionless_moment_az, solid_frictionless_moment_cx, solid_frictionless_moment_cz, &
-                        solid_inverse_lambda, solid_law, solid_rolling, solid_rolling_length, solid_s2, solid_slip_x, &
-                        solid_slip_z, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_z, &
+                        ball_frictionless_inverse_wnn, ball_inverse_wnn, ball_inverse_wtt, bears_bonds, bond_shift, has_moments, &
+                        normal_x, normal_z, plain_kind, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, &
+                        solid_bias_z, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, solid_frictional, &
+                        solid_frictionless, solid_frictionless_bias, solid_frictionless_inverse_wnn, &
+                        solid_frictionless_moment_ax, solid_frictionless_moment_az, solid_frictionless_moment_cx, &
+                        solid_frictionless_moment_cz, solid_inverse_lambda, solid_law, solid_rolling_length, solid_s2, &
+                        solid_slip_x, solid_slip_z, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_z, &
                         solid_twisting_length, solid_wnn
   use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
@@ -83,10 +83,12 @@ contains
       record(solid_compliance_n:solid_compliance_t) = law%compliance
       record(solid_law) = kind_of_local_law(law)
       record(solid_inverse_lambda) = 0
-      if (kind == solid_rolling) record(solid_rolling_length:solid_twisting_length) = law%moment_arm
-      if (kind /= solid_bonded) return
-      record(solid_stiffness_n:solid_stiffness_t) = law%stiffness
-      record(solid_slip_x:solid_slip_z) = slip_across(law%slip, n)
+      if (has_moments(kind)) record(solid_rolling_length:solid_twisting_length) = law%moment_arm
+      if (.not. bears_bonds(kind)) return
+      associate (bond => record(1 + bond_shift(kind):))
+        bond(solid_stiffness_n:solid_stiffness_t) = law%stiffness
+        bond(solid_slip_x:solid_slip_z) = slip_across(law%slip, n)
+      end associate
     end select
   end subroutine space_record
 

@@ -11,7 +11,7 @@ module sg_bonds
   use sg_kinds, only: wp
   use sg_laws, only: is_cohesive_zone, law_t, local_law_t
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bonded, arm_stiffness_n, arm_stiffness_t, friction_place, solid_stiffness_n, solid_stiffness_t
+  use sg_records, only: arm_stiffness_n, bond_shift, friction_place, is_in_space, solid_stiffness_n
   use sg_scene, only: scene_t
   implicit none
   private
@@ -105,18 +105,15 @@ contains
     real(wp), intent(in) :: time_step !! time step [s]
     type(problem_t), intent(inout) :: problem !! problem of the step; its bodies have whole masses
     type(local_law_t) :: law
-    integer :: k
+    integer :: k, first
 
     do k = 1, contacts%n
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
       call law_of_contact(scene, contacts, k, time_step, law)
       problem%most_friction = max(problem%most_friction, law%friction)
       problem%record(friction_place(problem%kind), k) = law%friction
-      if (problem%kind == arm_bonded) then
-        problem%record(arm_stiffness_n:arm_stiffness_t, k) = law%stiffness
-      else
-        problem%record(solid_stiffness_n:solid_stiffness_t, k) = law%stiffness
-      end if
+      first = merge(solid_stiffness_n, arm_stiffness_n, is_in_space(problem%kind)) + bond_shift(problem%kind)
+      problem%record(first:first + 1, k) = law%stiffness
       call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), problem%record(:, k))
     end do
   end subroutine refresh_bonds
@@ -153,7 +150,7 @@ contains
     real(wp) :: jump(4)
     integer :: k, last
 
-    last = contacts%n_internal
+    last = contacts%n_internal - contacts%n_moments
     do k = 1, contacts%n
       if (.not. is_cohesive_zone(scene%laws(contacts%law(k)))) cycle
       jump = jump_after(problem, contacts, k, time_step)
@@ -190,16 +187,17 @@ contains
     type(scene_t), intent(in) :: scene !! scene
     type(contacts_t), intent(in) :: contacts !! contacts after a step
     real(wp) :: sums(3)
-    integer :: k
+    integer :: k, last
 
     sums = 0
     if (.not. has_bonds(contacts)) return
+    last = contacts%n_internal - contacts%n_moments
     do k = 1, contacts%n
       associate (law => scene%laws(contacts%law(k)), values => contacts%internal(:, k))
         if (.not. is_cohesive_zone(law)) cycle
         if (.not. values(bond_integrity) > 0) cycle
         sums(1) = sums(1) + values(bond_surface)*stiffness_share(law, values(bond_integrity))/2 &
-                  *(law%zone_stiffness(1)*values(bond_opening)**2 + law%zone_stiffness(2)*sum(values(bond_slip:)**2))
+                  *(law%zone_stiffness(1)*values(bond_opening)**2 + law%zone_stiffness(2)*sum(values(bond_slip:last)**2))
         sums(2:3) = sums(2:3) + [1.0_wp, merge(1.0_wp, 0.0_wp, values(bond_integrity) < 1)]
       end associate
     end do

@@ -5,12 +5,11 @@ module sg_compact
   use sg_problem, only: problem_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
                         arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_gyration, arm_inverse_i, &
-                        arm_inverse_mx, arm_inverse_my, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_rolling, &
-                        arm_spin, body_length, is_in_space, normal_x, normal_y, plain_kind, record_length, round_bias_n, &
+                        arm_inverse_mx, arm_inverse_my, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_spin, &
+                        body_length, has_moments, is_in_space, normal_x, normal_y, plain_kind, record_length, round_bias_n, &
                         round_bias_t, round_frictional, round_frictionless, round_frictionless_bias, &
                         round_frictionless_inverse_mx, round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, &
-                        round_inverse_my, round_spin, solid_gyration, solid_rolling, solid_spin_x, solid_spin_z, velocity_x, &
-                        velocity_y
+                        round_inverse_my, round_spin, solid_gyration, solid_spin_x, solid_spin_z, velocity_x, velocity_y
   implicit none
   private
   public :: compact_velocity, relative_spin, scaled_spin, add_impulses
@@ -60,7 +59,7 @@ contains
     real(wp) :: w(3)
 
     associate (body => problem%body, c => problem%pair(1, k), a => problem%pair(2, k))
-      if (problem%kind == solid_rolling) then
+      if (is_in_space(problem%kind)) then
         w = body(solid_spin_x:solid_spin_z, c) - body(solid_spin_x:solid_spin_z, a)
       else
         w = [0.0_wp, 0.0_wp, body(arm_spin, c) - body(arm_spin, a)]
@@ -74,7 +73,7 @@ contains
     integer, intent(in) :: k !! contact
     real(wp) :: w(3)
 
-    w = problem%record(merge(solid_gyration, arm_gyration, problem%kind == solid_rolling), k)*relative_spin(problem, k)
+    w = problem%record(merge(solid_gyration, arm_gyration, is_in_space(problem%kind)), k)*relative_spin(problem, k)
   end function scaled_spin
 
   !> Add M^-1 H r to the velocities of all bodies: what the guess of a warm start does.
@@ -92,7 +91,7 @@ contains
         call add_arm_frictionless(n, m, pair, record, r, body)
       case (arm_frictional)
         call add_arm_frictional(n, m, size(record, 1), size(r, 1), pair, record, r, body)
-        if (problem%kind == arm_rolling) call add_plane_moments(n, m, pair, r, body)
+        if (has_moments(problem%kind)) call add_plane_moments(n, m, pair, r, body)
       case default
         call add_space_impulses(problem)
       end select

@@ -4,11 +4,12 @@ module sg_compact_space
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_frictional, ball_frictionless, ball_frictionless_bias, &
                         ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_inverse_i, ball_inverse_m, ball_spin_x, &
-                        ball_spin_z, free_axes, normal_x, normal_z, plain_kind, solid_arm_ax, solid_arm_az, solid_arm_cx, &
-                        solid_arm_cz, solid_bias_x, solid_bias_z, solid_compliance_n, solid_compliance_t, solid_frictional, &
-                        solid_frictionless, solid_frictionless_bias, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
-                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_inverse_mx, solid_inverse_mz, &
-                        solid_inverse_xx, solid_inverse_yz, solid_rolling, solid_spin_x, solid_spin_z, velocity_x, velocity_z
+                        ball_spin_z, free_axes, has_moments, normal_x, normal_z, plain_kind, solid_arm_ax, solid_arm_az, &
+                        solid_arm_cx, solid_arm_cz, solid_bias_x, solid_bias_z, solid_compliance_n, solid_compliance_t, &
+                        solid_frictional, solid_frictionless, solid_frictionless_bias, solid_frictionless_moment_ax, &
+                        solid_frictionless_moment_az, solid_frictionless_moment_cx, solid_frictionless_moment_cz, &
+                        solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, &
+                        velocity_x, velocity_z
   use sg_vectors, only: cross
   implicit none
   private
@@ -134,7 +135,7 @@ contains
                                                - turned_spin(body(solid_inverse_xx:solid_inverse_yz, a), &
                                                              cross(record(solid_arm_ax:solid_arm_az), p))
         end if
-        if (problem%kind /= solid_rolling) return
+        if (.not. has_moments(problem%kind)) return
         body(solid_spin_x:solid_spin_z, c) = body(solid_spin_x:solid_spin_z, c) &
                                              + turned_spin(body(solid_inverse_xx:solid_inverse_yz, c), r(4:6))
         body(solid_spin_x:solid_spin_z, a) = body(solid_spin_x:solid_spin_z, a) &

@@ -9,10 +9,10 @@ module sg_contact_status
   use sg_kinds, only: wp, i1
   use sg_laws, only: status_none, status_slide, status_stick
   use sg_problem, only: friction_of, is_active, problem_t
-  use sg_records, only: arm_bias_n, arm_bonded, arm_cohesion, arm_slip, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, &
-                        arm_wtt, ball_frictional, ball_inverse_wnn, ball_inverse_wtt, friction_place, is_in_space, normal_x, &
-                        normal_z, round_frictional, round_inverse_wnn, round_inverse_wtt, solid_bias_x, solid_bias_z, &
-                        solid_bonded, solid_cohesion, solid_s1, solid_s2, solid_slip_x, solid_slip_z, solid_stiffness_n, &
+  use sg_records, only: arm_bias_n, arm_cohesion, arm_slip, arm_stiffness_n, arm_stiffness_t, arm_wnn, arm_wnt, arm_wtt, &
+                        ball_frictional, ball_inverse_wnn, ball_inverse_wtt, bears_bonds, bond_shift, friction_place, &
+                        is_in_space, normal_x, normal_z, round_frictional, round_inverse_wnn, round_inverse_wtt, solid_bias_x, &
+                        solid_bias_z, solid_cohesion, solid_s1, solid_s2, solid_slip_x, solid_slip_z, solid_stiffness_n, &
                         solid_stiffness_t, solid_wnn, velocity_y, velocity_z
   implicit none
   private
@@ -86,16 +86,18 @@ contains
     associate (record => problem%record(:, k))
       state%normal = problem%impulse(1, k)
       if (problem%kind /= round_frictional) state%normal = state%normal + record(arm_cohesion)
-      if (.not. (state%normal > 0 .or. is_bonded .or. problem%kind == arm_bonded)) return
+      if (.not. (state%normal > 0 .or. is_bonded .or. bears_bonds(problem%kind))) return
       u = compact_velocity(problem, k)
       state%opening = u(1)
       if (is_bonded) state%opening = u(1) - record(arm_bias_n)
       state%slip = abs(u(2))
       state%tangential = abs(problem%impulse(2, k))
-      if (problem%kind == arm_bonded) then
+      if (bears_bonds(problem%kind)) then
         ! Without what a bond adds.
-        state%normal = state%normal + record(arm_stiffness_n)*u(1)
-        state%tangential = abs(problem%impulse(2, k) + record(arm_stiffness_t)*(u(2) + record(arm_slip)))
+        associate (bond => problem%record(1 + bond_shift(problem%kind):, k))
+          state%normal = state%normal + bond(arm_stiffness_n)*u(1)
+          state%tangential = abs(problem%impulse(2, k) + bond(arm_stiffness_t)*(u(2) + bond(arm_slip)))
+        end associate
       end if
       state%friction = friction_of(problem, k)
       if (problem%kind == round_frictional) then
@@ -117,16 +119,18 @@ contains
       r_n = dot_product(n, r)
       state%normal = r_n
       if (problem%kind /= ball_frictional) state%normal = r_n + record(solid_cohesion)
-      if (.not. (state%normal > 0 .or. is_bonded .or. problem%kind == solid_bonded)) return
+      if (.not. (state%normal > 0 .or. is_bonded .or. bears_bonds(problem%kind))) return
       u = compact_velocity(problem, k)
       state%opening = dot_product(n, u)
       state%slip = norm2(u - state%opening*n)
       if (is_bonded) state%opening = state%opening - dot_product(n, record(solid_bias_x:solid_bias_z))
       state%tangential = norm2(r - r_n*n)
-      if (problem%kind == solid_bonded) then
+      if (bears_bonds(problem%kind)) then
         ! Without what a bond adds.
-        state%normal = state%normal + record(solid_stiffness_n)*state%opening
-        state%tangential = norm2(r - r_n*n + record(solid_stiffness_t)*(u - state%opening*n + record(solid_slip_x:solid_slip_z)))
+        associate (bond => problem%record(1 + bond_shift(problem%kind):, k))
+          state%normal = state%normal + bond(solid_stiffness_n)*state%opening
+          state%tangential = norm2(r - r_n*n + bond(solid_stiffness_t)*(u - state%opening*n + bond(solid_slip_x:solid_slip_z)))
+        end associate
       end if
       state%friction = friction_of(problem, k)
       if (problem%kind == ball_frictional) then

@@ -6,22 +6,23 @@ module sg_delassus
   use sg_laws, only: inverse_of
   use sg_records, only: arm_bonded, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
                         arm_frictionless_inverse_wnn, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_gyration, &
-                        arm_inverse_i, arm_inverse_norm, arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, &
-                        arm_relief_nn, arm_relief_tt, arm_rolling, arm_rolling_length, arm_stiffness_n, arm_stiffness_t, arm_wmm, &
-                        arm_wnm, arm_wnn, arm_wnt, arm_wtm, arm_wtt, ball_frictional, ball_frictionless, &
-                        ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_frictionless_inverse_wnn, ball_inverse_i, &
-                        ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, body_length, first_inverse, least_active, &
-                        least_normal, normal_x, normal_y, normal_z, plain_kind, record_length, round_frictional, &
-                        round_frictionless, round_frictionless_inverse_wnn, round_inverse_i, round_inverse_wnn, round_inverse_wtt, &
-                        solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bonded, solid_c11, solid_c33, &
-                        solid_compliance_n, solid_compliance_t, solid_frictional, solid_frictionless, &
-                        solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
-                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_gyration, solid_inverse_lambda, &
-                        solid_inverse_mx, solid_inverse_mz, solid_inverse_norm, solid_inverse_xx, solid_inverse_xy, &
-                        solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, solid_m11, solid_m21, &
-                        solid_m22, solid_m31, solid_m32, solid_m33, solid_relief_22, solid_relief_nn, solid_rolling, &
-                        solid_rolling_length, solid_s1, solid_s2, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, &
-                        solid_tangent_z, solid_twisting_length, solid_wn1, solid_wn2, solid_wnn
+                        arm_inverse_i, arm_inverse_norm, arm_law, arm_mixed, arm_moment_na, arm_moment_nc, arm_moment_ta, &
+                        arm_moment_tc, arm_relief_nn, arm_relief_tt, arm_rolling, arm_rolling_length, arm_stiffness_n, &
+                        arm_stiffness_t, arm_wmm, arm_wnm, arm_wnn, arm_wnt, arm_wtm, arm_wtt, ball_frictional, &
+                        ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, &
+                        ball_frictionless_inverse_wnn, ball_inverse_i, ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, &
+                        body_length, bond_shift, first_inverse, least_active, least_normal, normal_x, normal_y, normal_z, &
+                        plain_kind, record_length, round_frictional, round_frictionless, round_frictionless_inverse_wnn, &
+                        round_inverse_i, round_inverse_wnn, round_inverse_wtt, solid_arm_ax, solid_arm_az, solid_arm_cx, &
+                        solid_arm_cz, solid_bonded, solid_c11, solid_c33, solid_compliance_n, solid_compliance_t, &
+                        solid_frictional, solid_frictionless, solid_frictionless_inverse_wnn, solid_frictionless_moment_ax, &
+                        solid_frictionless_moment_az, solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_gyration, &
+                        solid_inverse_lambda, solid_inverse_mx, solid_inverse_mz, solid_inverse_norm, solid_inverse_xx, &
+                        solid_inverse_xy, solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz, solid_law, &
+                        solid_m11, solid_m21, solid_m22, solid_m31, solid_m32, solid_m33, solid_mixed, solid_relief_22, &
+                        solid_relief_nn, solid_rolling, solid_rolling_length, solid_s1, solid_s2, solid_stiffness_n, &
+                        solid_stiffness_t, solid_tangent_x, solid_tangent_z, solid_twisting_length, solid_wn1, solid_wn2, &
+                        solid_wnn
   use sg_symmetric, only: largest_eigenvalue
   implicit none
   private
@@ -60,7 +61,7 @@ contains
 
     associate (c => candidate, a => antagonist, n => record(normal_x:normal_y))
       select case (kind)
-      case (round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded, arm_rolling)
+      case (round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded, arm_rolling, arm_mixed)
         mx = c(first_inverse(kind)) + a(first_inverse(kind))
         my = c(first_inverse(kind) + 1) + a(first_inverse(kind) + 1)
         w = n(1)**2*mx + n(2)**2*my
@@ -77,7 +78,7 @@ contains
         record(arm_frictionless_inverse_wnn) = &
           inverse_of(w + record(arm_frictionless_moment_c)**2*c(arm_inverse_i) &
                        + record(arm_frictionless_moment_a)**2*a(arm_inverse_i), record(arm_frictionless_inverse_wnn) > 0)
-      case (arm_frictional, arm_bonded, arm_rolling)
+      case (arm_frictional, arm_bonded, arm_rolling, arm_mixed)
         record(arm_wnn) = w + record(arm_moment_nc)**2*c(arm_inverse_i) + record(arm_moment_na)**2*a(arm_inverse_i) &
                           + record(arm_compliance_n)
         record(arm_wnt) = n(1)*n(2)*(mx - my) + record(arm_moment_nc)*record(arm_moment_tc)*c(arm_inverse_i) &
@@ -86,8 +87,9 @@ contains
                           + record(arm_moment_ta)**2*a(arm_inverse_i) + record(arm_compliance_t)
         if (record(arm_law) > least_normal) record(arm_wnt:arm_wtt) = 0
         if (.not. record(arm_wnn) > tiny(1.0_wp)) record(arm_law) = 0
-        if (kind == arm_bonded) call stiffen_plane_block(record)
-        if (kind == arm_rolling) call set_plane_moment_block(c, a, record)
+        if (kind == arm_bonded .or. kind == arm_mixed) call stiffen_plane_block(bond_shift(kind), record)
+        if (kind == arm_rolling .or. kind == arm_mixed) &
+          call set_plane_moment_block(c, a, record(:record_length(arm_rolling)))
       case (ball_frictionless)
         record(ball_frictionless_inverse_wnn) = &
           inverse_of(dot_product(c(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz) &
@@ -111,6 +113,12 @@ contains
       case (solid_rolling)
         call set_solid_block(c, a, [0.0_wp, 0.0_wp], record(:record_length(solid_frictional)), relief)
         call set_moment_block(c, a, record)
+      case (solid_mixed)
+        associate (bond => record(1 + bond_shift(kind):))
+          call set_solid_block(c, a, bond(solid_stiffness_n:solid_stiffness_t), record(:record_length(solid_frictional)), relief)
+          bond(solid_relief_nn:solid_relief_22) = reshape(relief, [9])
+        end associate
+        call set_moment_block(c, a, record(:record_length(solid_rolling)))
       end select
     end associate
   contains
@@ -207,14 +215,15 @@ contains
   end subroutine find_axis
 
   !> Turn the block of W of a bonded contact of the plane into that which its unilateral impulse sees.
-  pure subroutine stiffen_plane_block(record)
+  pure subroutine stiffen_plane_block(shift, record)
+    integer, intent(in) :: shift !! places by which the values of the bond stand farther behind
     real(wp), intent(inout) :: record(:) !! record of the contact, its block that of the bodies
     real(wp) :: w(2, 2), relief(2, 2)
 
     relief = identity(:2, :2)
     w = reshape(record([arm_wnn, arm_wnt, arm_wnt, arm_wtt]), [2, 2])
-    call stiffen(record(arm_stiffness_n:arm_stiffness_t), w, relief)
-    record(arm_relief_nn:arm_relief_tt) = reshape(relief, [4])
+    call stiffen(record(arm_stiffness_n + shift:arm_stiffness_t + shift), w, relief)
+    record(arm_relief_nn + shift:arm_relief_tt + shift) = reshape(relief, [4])
     record(arm_wnn:arm_wtt) = [w(1, 1), w(1, 2), w(2, 2)]
   end subroutine stiffen_plane_block
 
@@ -375,10 +384,10 @@ contains
     real(wp) :: v(6), n(3), t(3), r_n
 
     v = 0
-    if (kind == solid_rolling) then
-      v = moment_block_times(record, r)
+    if (kind == solid_rolling .or. kind == solid_mixed) then
+      v = moment_block_times(record(:record_length(solid_rolling)), r)
       return
-    else if (kind == arm_rolling) then
+    else if (kind == arm_rolling .or. kind == arm_mixed) then
       v(:2) = record(arm_gyration)*record(arm_wnm:arm_wtm)
       v(:3) = [v(:2)*r(3), dot_product(v(:2), r(:2)) + record(arm_gyration)**2*record(arm_wmm)*r(3)]
       v(:2) = v(:2) + [record(arm_wnn)*r(1) + record(arm_wnt)*r(2), record(arm_wnt)*r(1) + record(arm_wtt)*r(2)]

@@ -3,18 +3,17 @@ module sg_problem_records
   use sg_kinds, only: wp
   use sg_mapping_space, only: tangent_of
   use sg_problem, only: friction_of, is_active, problem_t
-  use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_frictional, &
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_frictional, &
                         arm_frictionless, arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_law, &
-                        arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_rolling, arm_rolling_length, &
-                        arm_stiffness_n, arm_stiffness_t, ball_bias_x, ball_bias_z, ball_frictional, ball_frictionless, &
-                        ball_frictionless_bias, first_inverse, force_length, free_axes, is_in_space, least_linear, least_normal, &
-                        normal_x, normal_y, normal_z, plain_kind, round_bias_n, round_bias_t, round_frictional, &
+                        arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_rolling_length, arm_stiffness_n, &
+                        arm_stiffness_t, ball_bias_x, ball_bias_z, ball_frictional, ball_frictionless, ball_frictionless_bias, &
+                        bears_bonds, bond_shift, first_inverse, force_length, free_axes, has_moments, is_in_space, least_linear, &
+                        least_normal, normal_x, normal_y, normal_z, plain_kind, round_bias_n, round_bias_t, round_frictional, &
                         round_frictionless, round_frictionless_bias, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, &
-                        solid_bias_x, solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, solid_compliance_t, &
-                        solid_frictional, solid_frictionless, solid_frictionless_bias, solid_frictionless_moment_ax, &
-                        solid_frictionless_moment_az, solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_law, &
-                        solid_rolling, solid_rolling_length, solid_stiffness_n, solid_stiffness_t, solid_tangent_x, &
-                        solid_tangent_z, solid_twisting_length
+                        solid_bias_x, solid_bias_z, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_frictional, &
+                        solid_frictionless, solid_frictionless_bias, solid_frictionless_moment_ax, solid_frictionless_moment_az, &
+                        solid_frictionless_moment_cx, solid_frictionless_moment_cz, solid_law, solid_rolling_length, &
+                        solid_stiffness_n, solid_stiffness_t, solid_tangent_x, solid_tangent_z, solid_twisting_length
   use sg_symmetric, only: principal_axes
   use sg_vectors, only: cross
   implicit none
@@ -94,8 +93,9 @@ contains
         contact%compliance(1:2) = record(arm_compliance_n:arm_compliance_t)
         contact%is_linear = record(arm_law) > least_linear
         contact%has_tangent = record(arm_law) < least_normal
-        if (kind == arm_rolling) contact%has_moment = record(arm_rolling_length) > 0
-        if (kind == arm_bonded) contact%is_bonded = any(record(arm_stiffness_n:arm_stiffness_t) > 0)
+        if (has_moments(kind)) contact%has_moment = record(arm_rolling_length) > 0
+        if (bears_bonds(kind)) &
+          contact%is_bonded = any(record([arm_stiffness_n, arm_stiffness_t] + bond_shift(kind)) > 0)
       end select
     end associate
   end function plane_contact
@@ -144,8 +144,9 @@ contains
       contact%compliance = record([solid_compliance_n, solid_compliance_t, solid_compliance_t])
       contact%is_linear = record(solid_law) > least_linear
       contact%has_tangent = record(solid_law) < least_normal
-      if (kind == solid_rolling) contact%has_moment = any(record(solid_rolling_length:solid_twisting_length) > 0)
-      if (kind == solid_bonded) contact%is_bonded = any(record(solid_stiffness_n:solid_stiffness_t) > 0)
+      if (has_moments(kind)) contact%has_moment = any(record(solid_rolling_length:solid_twisting_length) > 0)
+      if (bears_bonds(kind)) &
+        contact%is_bonded = any(record([solid_stiffness_n, solid_stiffness_t] + bond_shift(kind)) > 0)
     end select
   end function space_contact
 

@@ -10,11 +10,13 @@
 module sg_records
   use sg_kinds, only: wp
   use sg_plan, only: arm_bonded, arm_frictional, arm_frictionless, arm_rolling, ball_frictional, ball_frictionless, &
-                     round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless, solid_rolling
+                     round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless, solid_rolling, &
+                     arm_mixed, solid_mixed
   implicit none
   private
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
   public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded, arm_rolling, solid_rolling
+  public :: arm_mixed, solid_mixed, bears_bonds, bond_shift
   public :: plain_kind, is_compact, is_in_space, has_moments, free_axes, force_length
   public :: record_length, body_length, impulse_length, first_inverse, active_place, bias_place, friction_place
   public :: normal_x, normal_y, normal_z, velocity_x, velocity_y, velocity_z
@@ -49,9 +51,10 @@ module sg_records
   public :: solid_inverse_xx, solid_inverse_yy, solid_inverse_zz, solid_inverse_xy, solid_inverse_xz, solid_inverse_yz
 
   !> The kind without bonds and moments whose records those of a kind begin with, so that what both have is written once
-  integer, parameter :: plain_kind(12) = [round_frictionless, round_frictional, arm_frictionless, arm_frictional, &
+  integer, parameter :: plain_kind(14) = [round_frictionless, round_frictional, arm_frictionless, arm_frictional, &
                                           ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, &
-                                          arm_frictional, solid_frictional, arm_frictional, solid_frictional]
+                                          arm_frictional, solid_frictional, arm_frictional, solid_frictional, arm_frictional, &
+                                          solid_frictional]
 
   !> Contacts of all kinds: unit normal, from antagonist to candidate; in the plane x and y alone
   integer, parameter :: normal_x = 1, normal_y = 2, normal_z = 3
@@ -152,41 +155,55 @@ module sg_records
                         solid_inverse_xy = 13, solid_inverse_xz = 14, solid_inverse_yz = 15
 
   !> Reals of a contact's record, by kind
-  integer, parameter :: record_length(12) = [round_frictionless_inverse_wnn, round_friction, arm_frictionless_inverse_wnn, &
+  integer, parameter :: record_length(14) = [round_frictionless_inverse_wnn, round_friction, arm_frictionless_inverse_wnn, &
                                              arm_law, ball_frictionless_inverse_wnn, ball_friction, &
                                              solid_frictionless_inverse_wnn, solid_inverse_lambda, arm_relief_tt, solid_relief_22, &
-                                             arm_inverse_norm, solid_m33]
+                                             arm_inverse_norm, solid_m33, arm_relief_tt + 6, solid_relief_22 + 19]
 
   !> Reals of a body's record, by kind: velocities, then inverse masses
-  integer, parameter :: body_length(12) = [round_frictionless_inverse_my, round_inverse_i, arm_inverse_i, arm_inverse_i, &
+  integer, parameter :: body_length(14) = [round_frictionless_inverse_my, round_inverse_i, arm_inverse_i, arm_inverse_i, &
                                            ball_frictionless_inverse_mz, ball_inverse_i, solid_inverse_yz + 1, &
                                            solid_inverse_yz + 1, arm_inverse_i, solid_inverse_yz + 1, arm_inverse_i, &
-                                           solid_inverse_yz + 1]
+                                           solid_inverse_yz + 1, arm_inverse_i, solid_inverse_yz + 1]
 
   !> Impulse components, by kind, moments behind forces; and those of forces alone
-  integer, parameter :: impulse_length(12) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3, 3, 6], &
-                        force_length(12) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3, 2, 3]
+  integer, parameter :: impulse_length(14) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3, 3, 6, 3, 6], &
+                        force_length(14) = [1, 2, 1, 2, 1, 3, 1, 3, 2, 3, 2, 3, 2, 3]
 
   !> Where the inverse masses begin in a body's record, by kind
-  integer, parameter :: first_inverse(12) = [round_frictionless_inverse_mx, round_inverse_mx, arm_inverse_mx, arm_inverse_mx, &
+  integer, parameter :: first_inverse(14) = [round_frictionless_inverse_mx, round_inverse_mx, arm_inverse_mx, arm_inverse_mx, &
                                              ball_frictionless_inverse_mx, ball_inverse_m, solid_inverse_mx, solid_inverse_mx, &
-                                             arm_inverse_mx, solid_inverse_mx, arm_inverse_mx, solid_inverse_mx]
+                                             arm_inverse_mx, solid_inverse_mx, arm_inverse_mx, solid_inverse_mx, &
+                                             arm_inverse_mx, solid_inverse_mx]
 
   !> Where a value stands that is positive if and only if the contact takes part, by kind
-  integer, parameter :: active_place(12) = [round_frictionless_inverse_wnn, round_inverse_wnn, arm_frictionless_inverse_wnn, &
+  integer, parameter :: active_place(14) = [round_frictionless_inverse_wnn, round_inverse_wnn, arm_frictionless_inverse_wnn, &
                                             arm_law, ball_frictionless_inverse_wnn, ball_inverse_wnn, &
-                                            solid_frictionless_inverse_wnn, solid_law, arm_law, solid_law, arm_law, solid_law]
+                                            solid_frictionless_inverse_wnn, solid_law, arm_law, solid_law, arm_law, &
+                                            solid_law, arm_law, solid_law]
 
   !> Where the bias begins, by kind: as many reals as the force has, in the same axes
-  integer, parameter :: bias_place(12) = [round_frictionless_bias, round_bias_n, arm_frictionless_bias, arm_bias_n, &
+  integer, parameter :: bias_place(14) = [round_frictionless_bias, round_bias_n, arm_frictionless_bias, arm_bias_n, &
                                           ball_frictionless_bias, ball_bias_x, solid_frictionless_bias, solid_bias_x, &
-                                          arm_bias_n, solid_bias_x, arm_bias_n, solid_bias_x]
+                                          arm_bias_n, solid_bias_x, arm_bias_n, solid_bias_x, arm_bias_n, solid_bias_x]
 
   !> Where Coulomb's coefficient stands, by kind; 0 where there is none
-  integer, parameter :: friction_place(12) = [0, round_friction, 0, arm_friction, 0, ball_friction, 0, solid_friction, &
-                                              arm_friction, solid_friction, arm_friction, solid_friction]
+  integer, parameter :: friction_place(14) = [0, round_friction, 0, arm_friction, 0, ball_friction, 0, solid_friction, &
+                                              arm_friction, solid_friction, arm_friction, solid_friction, arm_friction, &
+                                              solid_friction]
+
+  !> By how much the values of bonds stand behind the places named above, by kind: where contacts bear moments too, those come first
+  integer, parameter :: bond_shift(14) = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, arm_inverse_norm - arm_law, &
+                                          solid_m33 - solid_inverse_lambda]
 
 contains
+
+  !> Do contacts of a kind of problem hold bonds?
+  pure logical function bears_bonds(kind)
+    integer, intent(in) :: kind !! kind of problem
+
+    bears_bonds = any(kind == [arm_bonded, solid_bonded, arm_mixed, solid_mixed])
+  end function bears_bonds
 
   !> Does a kind of problem carry no lever arms?
   pure logical function is_compact(kind)
@@ -199,14 +216,14 @@ contains
   pure logical function is_in_space(kind)
     integer, intent(in) :: kind !! kind of problem
 
-    is_in_space = kind >= ball_frictionless .and. kind /= arm_bonded .and. kind /= arm_rolling
+    is_in_space = kind >= ball_frictionless .and. .not. any(kind == [arm_bonded, arm_rolling, arm_mixed])
   end function is_in_space
 
   !> Do contacts of a kind of problem bear moments?
   pure logical function has_moments(kind)
     integer, intent(in) :: kind !! kind of problem
 
-    has_moments = kind == arm_rolling .or. kind == solid_rolling
+    has_moments = any(kind == [arm_rolling, solid_rolling, arm_mixed, solid_mixed])
   end function has_moments
 
   !> Directions in which impulses can move a body of a ball problem: 1 for free, 0 for driven.

@@ -20,6 +20,7 @@ module sg_plan
   public :: omissions_t, plan_t, make_plan, set_radii, describe_plan
   public :: round_frictionless, round_frictional, arm_frictionless, arm_frictional, arm_bonded
   public :: ball_frictionless, ball_frictional, solid_frictionless, solid_frictional, solid_bonded, arm_rolling, solid_rolling
+  public :: arm_mixed, solid_mixed
 
   !> Kinds of contact problem
   integer, parameter :: round_frictionless = 1, round_frictional = 2, arm_frictionless = 3, arm_frictional = 4, &
@@ -30,6 +31,9 @@ module sg_plan
 
   !> Kinds with moments at contacts: records of the frictional kind, followed by bounds and blocks of the moments
   integer, parameter :: arm_rolling = 11, solid_rolling = 12
+
+  !> Kinds with both: records of the kind with moments, followed by values of bonds
+  integer, parameter :: arm_mixed = 13, solid_mixed = 14
 
   !> Plan of a scene
   type :: plan_t
@@ -118,7 +122,10 @@ contains
       if (plan%uses_law(i)) plan%has_tangent = plan%has_tangent .or. .not. (is_frictionless(scene%laws(i)) .and. &
                                                                            is_plain(scene%laws(i)))
     end do
-    plan%is_round = are_round .and. may%arms
+    ! Stages of one run have one kind of problem, and the same columns, where some of them have moments.
+    plan%has_rolling = scene%bears_moments
+    plan%has_tangent = plan%has_tangent .or. plan%has_rolling
+    plan%is_round = are_round .and. may%arms .and. .not. plan%has_rolling
     do i = 1, size(scene%laws)
       if (.not. plan%uses_law(i)) cycle
       plan%is_round = plan%is_round .and. is_plain(scene%laws(i)) .and. .not. resists_rolling(scene%laws(i))
@@ -148,7 +155,12 @@ contains
                          merge(arm_frictional, arm_frictionless, plan%has_tangent), plan%is_round)
     if (dimension == 3) problem_kind = problem_kind + ball_frictionless - round_frictionless
     if (plan%has_rolling) problem_kind = merge(arm_rolling, solid_rolling, dimension == 2)
-    if (plan%has_bonds) problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
+    if (.not. plan%has_bonds) return
+    if (plan%has_rolling) then
+      problem_kind = merge(arm_mixed, solid_mixed, dimension == 2)
+    else
+      problem_kind = merge(arm_bonded, solid_bonded, dimension == 2)
+    end if
   end function problem_kind
 
   !> Set the radii of round bodies after a rank's part of the scene has changed.

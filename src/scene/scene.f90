@@ -75,6 +75,8 @@ module sg_scene
     type(material_t), allocatable :: materials(:)
     !> Contact laws
     type(law_t), allocatable :: laws(:)
+    !> Do laws of any stage of the run resist rolling or twisting, so that all stages have moments at contacts?
+    logical :: bears_moments = .false.
     !> Names of the colours
     type(text_t), allocatable :: colours(:)
     !> Interactions; the first that fits a pair counts

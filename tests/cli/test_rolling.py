@@ -11,6 +11,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program  # noqa: E402
 
 DECK = Path(__file__).resolve().parents[2] / "input_decks" / "rolling_resistance.toml"
+GLUED = (DECK.parent / "hanging_stones.toml").read_text()
 HEAD = """[scene]
 gravity = [2.0, -9.0]
 [time]
@@ -42,6 +43,24 @@ kind = "lattice"
 radius = 0.05
 spacing = 1.02
 """
+
+
+def beside_glue(is_in_space):
+    """Stones that hang by cohesive zones until these break, and far from them a ball that rolls on a floor."""
+    head, *bodies = GLUED.split("[[body]]")
+    floor = 'centre = [6.0, 0.0, 0.0]\nnormal = [0.0, 1.0, 0.0]\nsize = [4.0, 1.0]\n' if is_in_space else \
+        'from = [4.0, -0.05]\nto = [8.0, -0.05]\n'
+    text = "[[body]]".join([head, *bodies])
+    if is_in_space:
+        text = "[scene]\ndimension = 3\n" + head.replace("[[gravity]]", '[[gravity]]\ncomponent = "z"\nvalue = 0.0\n[[gravity]]')
+        for i, block in enumerate(bodies):
+            height, centre = (0.125, 0.125 - 0.25 * i) if i else (0.05, 0.05)
+            text += f'[[body]]\nname = "{block.split(chr(34))[1]}"\nshape = "box"\nhalf_axes = [0.2, {height}, 0.2]\n'
+            text += f"position = [0.0, {centre}, 0.0]\n" + "fixed = true\n" * (i == 0)
+        text += '[[track]]\nbody = "stone_1"\n'
+    shape, zero, spin = ("sphere", ", 0.0", "[0.0, 0.0, -10.0]") if is_in_space else ("disk", "", "-10.0")
+    return (text + f'[[wall]]\nname = "floor"\n{floor}thickness = 0.1\n[[body]]\nname = "ball"\nshape = "{shape}"\nradius = 0.1\n'
+            f'position = [5.0, 0.1{zero}]\nvelocity = [1.0, 0.0{zero}]\nspin = {spin}\n[[track]]\nbody = "ball"\n')
 
 
 class Rolling(ProgramCase):
@@ -98,6 +117,38 @@ class Rolling(ProgramCase):
         for more, sentence in ((law.replace("rub", "rob"), 'did you mean "rub"'), (law + "friction = 0.2\n", "adds moments")):
             self.assertIn(sentence, self.run_deck(head + more, code=2).stderr)
 
+    def test_cohesive_zones(self):
+        """Next to cohesive zones: stones hang and break loose as without moments, the ball rolls as without bonds; restarts, ranks."""
+        for is_in_space in (False, True):
+            with self.subTest(is_in_space=is_in_space):
+                text = beside_glue(is_in_space)
+                self.run_deck(text, output="without")
+                text = text.replace('name = "contact"\n', 'name = "contact"\nrolling_friction = 0.1\n')
+                words = ("--set", "restart.every=450", "--set", "restart.at_end=false") if self.has_hdf5() else ()
+                self.run_deck(text, *words)
+                last = self.rows()[-1]
+                self.assertEqual(int(last["bonds"]), 12 if is_in_space else 6)
+                # Tolerance 1e-8, on energies that balance to rounding.
+                self.assertLess(max(float(row["energy_closure"]) for row in self.rows()), 1e-9)
+                tracks = self.rows(file="tracks.csv")
+                for ours, theirs in zip(tracks, self.rows("without", "tracks.csv"), strict=True):
+                    if ours["body"] != "ball":
+                        # Bonds of 1e9 Pa/m amplify what the solver leaves: 1e-8 of velocities of 1 m/s.
+                        self.assertAlmostEqual(float(ours["velocity_y"]), float(theirs["velocity_y"]), delta=1e-7)
+                        continue
+                    # Gravity of 20 t is summed up exactly.
+                    lost = 0.1 * 10 * float(ours["time"]) ** 2 / (1.4 if is_in_space else 1.5)
+                    self.assertAlmostEqual(float(ours["velocity_x"]), 1 - lost, delta=1e-7)
+                    self.assertAlmostEqual(float(theirs["velocity_x"]), 1, delta=1e-7)
+                if self.has_hdf5():
+                    self.run_deck(text, *words, "--restart", "out/restart_a.h5", output="again")
+                    self.assertEqual(self.rows("again")[-1], last)
+                if self.launcher:
+                    self.on_ranks(2, text, "ranks", "--set", "restart.at_end=false")
+                    self.assertEqual(self.rows("ranks")[-1]["bonds"], last["bonds"])
+                    for key in ("rolling_loss", "bond_loss", "kinetic_energy"):
+                        self.assertAlmostEqual(float(self.rows("ranks")[-1][key]) / float(last[key]), 1.0, delta=1e-6, msg=key)
+
     def test_added_later(self):
         """A run may go on from one without moments, and stages may change them."""
         if not self.has_hdf5():
@@ -118,9 +169,18 @@ class Rolling(ProgramCase):
             more = text.replace("rolling_friction = 0.1", "rolling_friction = 0.15").replace("step = 2e-3\n", "step = 2e-3\nsteps = 100\n")
             self.run_deck(more, "--restart", "out/restart_a.h5", output="on")
             self.assertAlmostEqual(float(self.rows("on", "tracks.csv")[-1]["velocity_x"]), 0.65 * gain, delta=1e-6)
-            stages = "[[stage]]\nsteps = 50\n[[stage.law]]\nrolling_friction = 1e-12\n[[stage]]\nsteps = 50\n"
-            self.run_deck(text.replace("rolling_friction = 0.1", "rolling_friction = 0.15") + stages, output="stages")
-            self.assertAlmostEqual(float(self.rows("stages", "tracks.csv")[-1]["velocity_x"]), 0.65 * gain, delta=1e-6)
+            stages = "[[stage]]\nsteps = 50\n[[stage.law]]\nrolling_friction = {}\n[[stage]]\nsteps = 50\n{}"
+            on = text.replace("rolling_friction = 0.1", "rolling_friction = 0.15")
+            # From none to some, by what the first stage or the second one changes; and back to none.
+            for deck, first, second, speed in ((on, "0.0", "", 0.65), (text.replace("rolling_friction = 0.1\n", ""), "0.0",
+                                               "[[stage.law]]\nrolling_friction = 0.15\n", 0.65),
+                                               (on, "0.05", "[[stage.law]]\nrolling_friction = 0.0\n", 1.55)):
+                self.run_deck(deck + stages.format(first, second), "--set", "output.every=50", output="stages")
+                self.assertAlmostEqual(float(self.rows("stages", "tracks.csv")[-1]["velocity_x"]), speed * gain, delta=1e-6)
+                rows = self.rows("stages")
+                self.assertEqual(len(rows), 100)
+                self.assertLess(max(float(row["energy_closure"]) for row in rows), 1e-7)
+                self.assertEqual(float(rows[49]["rolling_loss"]) > 1e-9, first != "0.0")
 
     def test_columns(self):
         """Pictures of contacts hold the moments, within their bounds; scenes whose laws resist no rolling have neither those nor
@@ -148,27 +208,27 @@ class Rolling(ProgramCase):
 
     def test_refusals(self):
         """One sentence with line and caret for what has no place for moments."""
-        bond = """[[law]]
-name = "bond"
-kind = "IQS_MAC_CZM"
-normal_stiffness = 1e8
-tangential_stiffness = 1e8
-adhesion_energy = 1.0
-[[interaction]]
-candidate = "any"
-law = "contact"
-[[interaction]]
-law = "bond"
-"""
         for text, sentence, caret in (
-            (HEAD.replace("tolerance = 1e-9", 'method = "accelerated"') + BOX, "matrices, which have no place", '  method = "accelerated"'),
-            (HEAD + bond + BOX, "cannot act in a scene with cohesive zones", "  rolling_friction = 0.1"),
             (HEAD.replace("rolling_friction = 0.1", "rolling_friction = -0.1") + BOX, "rolling_friction", "  rolling_friction = -0.1"),
             (HEAD.replace("rolling_friction", "twisting_friction") + BOX, "twisting_friction", "  twisting_friction = 0.1"),
         ):
             done = self.run_deck(text, code=2)
             self.assertIn(sentence, done.stderr)
             self.assertIn(caret + "\n", done.stderr)
+        matrices = HEAD.replace("tolerance = 1e-9", 'method = "accelerated"\ntolerance = 1e-9') + BOX
+        if self.launcher:
+            (self.place / "deck.toml").write_text(matrices)
+            done = self.call("--quiet", ranks=2, code=2)
+            self.assertIn("matrices, which have no place", done.stderr)
+            self.assertIn('  method = "accelerated"\n', done.stderr)
+            (self.place / "deck.toml").write_text(HEAD + BOX + '[partition]\ngluing = "enriched"\n')
+            self.assertIn('the coupling "enriched" takes matrices', self.call("--quiet", ranks=2, code=2).stderr)
+        # On one rank sweeps take over, with the answer that they give anyway.
+        done = self.run_deck(matrices)
+        self.assertIn("steps with such contacts are solved by sweeps", done.stderr)
+        last = self.rows()[-1]
+        self.run_deck(matrices.replace("accelerated", "nlgs"), output="swept")
+        self.assertEqual(last, self.rows("swept")[-1])
         (self.place / "deck.toml").write_text(HEAD + BOX)
         done = self.run_program("convert", "deck.toml", "folder", code=2)
         self.assertIn("none resists rolling or twisting there", done.stdout + done.stderr)

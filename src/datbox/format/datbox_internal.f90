@@ -56,7 +56,7 @@ contains
       values(bond_onset) = never
       if (n_numbers_of(law, dimension) > 4) values(bond_onset) = numbers(merge(5, 6, dimension == 2))
       if (dimension == 2) values(bond_slip) = numbers(2)
-      if (dimension == 3) values(bond_slip:) = numbers(2)*tangents(:, 1) + numbers(4)*tangents(:, 2)
+      if (dimension == 3) values(bond_slip:bond_slip + 2) = numbers(2)*tangents(:, 1) + numbers(4)*tangents(:, 2)
       return
     end if
     select case (law%kind)
@@ -85,7 +85,7 @@ contains
       numbers(2) = values(bond_slip)
       numbers(4:5) = values([bond_integrity, bond_onset])
       if (dimension == 2) return
-      numbers([2, 4]) = matmul(values(bond_slip:), tangents)
+      numbers([2, 4]) = matmul(values(bond_slip:bond_slip + 2), tangents)
       numbers(5:6) = values([bond_integrity, bond_onset])
       return
     end if

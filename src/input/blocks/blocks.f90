@@ -48,6 +48,8 @@ module sg_blocks
     integer :: n = 0
     !> What stages change: sections within `[[stage]]`, whose parent is the block of the stage
     type(block_t), allocatable :: changes(:)
+    !> Do laws of any stage resist rolling or twisting?
+    logical :: bears_moments = .false.
     !> In the deck of a stage: its number, when it begins [s], and its steps
     integer :: stage_number = 0
     real(wp) :: stage_time = 0

@@ -8,9 +8,10 @@ module sg_residuals_rolling
   use sg_kinds, only: wp
   use sg_law_violation, only: rounding
   use sg_problem, only: friction_of, is_active, problem_t
-  use sg_records, only: arm_cohesion, arm_gyration, arm_inverse_norm, arm_law, arm_rolling, arm_rolling_length, least_linear, &
-                        least_normal, normal_x, normal_z, solid_cohesion, solid_gyration, solid_inverse_norm, solid_law, &
-                        solid_rolling_length, solid_twisting_length
+  use sg_records, only: arm_cohesion, arm_gyration, arm_inverse_norm, arm_law, arm_rolling_length, arm_slip, arm_stiffness_n, &
+                        arm_stiffness_t, bears_bonds, bond_shift, is_in_space, least_linear, least_normal, normal_x, normal_z, &
+                        solid_cohesion, solid_gyration, solid_inverse_norm, solid_law, solid_rolling_length, solid_slip_x, &
+                        solid_slip_z, solid_stiffness_n, solid_stiffness_t, solid_twisting_length
   use sg_residuals_space, only: n_error_sums
   implicit none
   private
@@ -26,8 +27,10 @@ module sg_residuals_rolling
     real(wp) :: bound(3) = 0
     !> Scale of velocities [kg]; zero where the contact takes no part
     real(wp) :: rho = 0
-    !> Is u = 0 asked without any inequality?
-    logical :: is_linear = .false.
+    !> Is u = 0 asked without any inequality? Does a bond hold?
+    logical :: is_linear = .false., is_bonded = .false.
+    !> Square of the impulse of the bond, which is taken out of the others [N2 s2]
+    real(wp) :: bond = 0
   end type state_t
 
 contains
@@ -51,12 +54,13 @@ contains
       square = map_square(state, state%rho)
       sums(2) = sums(2) + square
       if (state%rho > 0) sums(3) = sums(3) + square/state%rho**2
-      sums(4) = sums(4) + state%r_n**2 + sum(state%r**2)
+      sums(4) = sums(4) + state%r_n**2 + sum(state%r**2) + state%bond
       sums(5) = sums(5) + state%u_n**2 + sum(state%u**2)
       if (carries) sums(6) = sums(6) + 1
       if (present(squares)) squares(k) = square
-      if (present(closing)) closing(k) = merge(merge(-huge(1.0_wp), state%u_n, carries .or. state%is_linear), huge(1.0_wp), &
-                                               state%rho > 0)
+      if (.not. present(closing)) cycle
+      closing(k) = merge(merge(-huge(1.0_wp), state%u_n, carries .or. state%is_linear), huge(1.0_wp), state%rho > 0)
+      if (bears_bonds(problem%kind) .and. (state%is_bonded .or. carries)) closing(k) = -huge(1.0_wp)
     end do
   end subroutine add_rolling_contacts
 
@@ -144,10 +148,12 @@ contains
     integer, intent(in) :: k
     type(state_t) :: state
 
-    if (problem%kind == arm_rolling) then
-      call take_plane_parts(problem, k, state)
-    else
+    if (is_in_space(problem%kind)) then
       call take_space_parts(problem, k, state)
+      if (bears_bonds(problem%kind)) call take_out_space_bond(problem, k, state)
+    else
+      call take_plane_parts(problem, k, state)
+      if (bears_bonds(problem%kind)) call take_out_plane_bond(problem, k, state)
     end if
     state%bound(1) = friction_of(problem, k)
   end function state_of
@@ -176,6 +182,44 @@ contains
       state%bound(2) = record(arm_rolling_length)/record(arm_gyration)
     end associate
   end subroutine take_plane_parts
+
+  !> Take the impulse of a cohesive zone of the plane out of that of its contact. Bodies that nothing moves may come closer: their
+  !! bond does not push, and what it carries is no measure of the others.
+  pure subroutine take_out_plane_bond(problem, k, state)
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: k
+    type(state_t), intent(inout) :: state
+    real(wp) :: bond(2), u_n
+
+    associate (record => problem%record(1 + bond_shift(problem%kind):, k))
+      state%is_bonded = max(record(arm_stiffness_n), record(arm_stiffness_t)) > 0
+      if (.not. state%is_bonded) return
+      u_n = merge(state%u_n, max(0.0_wp, state%u_n), state%rho > 0)
+      bond = [record(arm_stiffness_n)*u_n, record(arm_stiffness_t)*(state%u(1, 1) + record(arm_slip))]
+    end associate
+    state%r_n = state%r_n + bond(1)
+    state%r(1, 1) = state%r(1, 1) + bond(2)
+    if (state%rho > 0) state%bond = sum(bond**2)
+  end subroutine take_out_plane_bond
+
+  !> The same in space.
+  pure subroutine take_out_space_bond(problem, k, state)
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: k
+    type(state_t), intent(inout) :: state
+    real(wp) :: along, across(3), u_n
+
+    associate (record => problem%record(1 + bond_shift(problem%kind):, k))
+      state%is_bonded = max(record(solid_stiffness_n), record(solid_stiffness_t)) > 0
+      if (.not. state%is_bonded) return
+      u_n = merge(state%u_n, max(0.0_wp, state%u_n), state%rho > 0)
+      along = record(solid_stiffness_n)*u_n
+      across = record(solid_stiffness_t)*(state%u(:, 1) + record(solid_slip_x:solid_slip_z))
+    end associate
+    state%r_n = state%r_n + along
+    state%r(:, 1) = state%r(:, 1) + across
+    if (state%rho > 0) state%bond = along**2 + sum(across**2)
+  end subroutine take_out_space_bond
 
   !> Those of a contact in space, in the world's axes.
   pure subroutine take_space_parts(problem, k, state)

@@ -5,7 +5,7 @@ module sg_increments
   use sg_delassus, only: block_times
   use sg_kinds, only: wp
   use sg_problem, only: problem_t
-  use sg_records, only: arm_gyration, first_inverse, force_length, has_moments, solid_gyration, solid_rolling
+  use sg_records, only: arm_gyration, first_inverse, force_length, has_moments, is_in_space, solid_gyration
   use sg_run_options, only: criterion_maxm, criterion_qm16
   use sg_sweep_order, only: sweep_order_t
   use sg_sweeps, only: sweep_impulses
@@ -82,7 +82,7 @@ contains
     integer :: first
 
     first = force_length(kind) + 1
-    length = record(merge(solid_gyration, arm_gyration, kind == solid_rolling))
+    length = record(merge(solid_gyration, arm_gyration, is_in_space(kind)))
     ! Contacts without a moment have no length.
     if (.not. length > 0) length = 1
     r(first:last) = r(first:last)/length

@@ -2,15 +2,15 @@
 !! (doc/theory/laws.md, "Rolling and twisting").
 module sg_sweep_arm_rolling
   use sg_kinds, only: wp, i4
-  use sg_records, only: arm_bias_n, arm_bias_t, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictional, &
-                        arm_gyration, arm_inverse_i, arm_inverse_mx, arm_inverse_my, arm_law, arm_moment_na, arm_moment_nc, &
-                        arm_moment_ta, arm_moment_tc, arm_rolling, arm_rolling_length, arm_spin, arm_wmm, arm_wnm, arm_wnn, &
-                        arm_wnt, arm_wtm, arm_wtt, body_length, least_active, normal_x, normal_y, record_length, velocity_x, &
-                        velocity_y
-  use sg_sweep_arm, only: sweep_arm_frictional
+  use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
+                        arm_frictional, arm_gyration, arm_inverse_i, arm_inverse_mx, arm_inverse_my, arm_law, arm_mixed, &
+                        arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_rolling, arm_rolling_length, arm_spin, &
+                        arm_stiffness_n, arm_stiffness_t, arm_wmm, arm_wnm, arm_wnn, arm_wnt, arm_wtm, arm_wtt, body_length, &
+                        bond_shift, least_active, normal_x, normal_y, record_length, velocity_x, velocity_y
+  use sg_sweep_arm, only: sweep_arm_bonded, sweep_arm_frictional
   implicit none
   private
-  public :: sweep_arm_rolling, rolling_step
+  public :: sweep_arm_rolling, sweep_arm_mixed, rolling_step
 
 contains
 
@@ -68,6 +68,31 @@ contains
                           + record(arm_moment_ta, k)*r(2) + r(3))
     end do
   end subroutine sweep_arm_rolling
+
+  !> One sweep over contacts of which some are held by cohesive zones and others bear moments.
+  pure subroutine sweep_arm_mixed(n, n_bodies, pair, record, relaxation, impulse, body)
+    integer, intent(in) :: n !! contacts
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(record_length(arm_mixed), n) !! records of contacts
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    real(wp), intent(inout) :: impulse(3, n) !! impulses [N s], and moments over the step [N m s]
+    real(wp), intent(inout) :: body(body_length(arm_frictional), n_bodies) !! records of bodies; their velocities change
+    real(wp) :: bonded(record_length(arm_bonded))
+    integer :: k, shift
+
+    shift = bond_shift(arm_mixed)
+    do k = 1, n
+      if (record(arm_law, k) > least_active .and. &
+          .not. max(record(arm_stiffness_n + shift, k), record(arm_stiffness_t + shift, k)) > 0) then
+        call sweep_arm_rolling(1, n_bodies, pair(:, k), record(:record_length(arm_rolling), k), relaxation, impulse(:, k), body)
+      else
+        bonded(:arm_law) = record(:arm_law, k)
+        bonded(arm_stiffness_n:) = record(arm_stiffness_n + shift:, k)
+        call sweep_arm_bonded(1, n_bodies, pair(:, k), bonded, relaxation, impulse(:2, k), body)
+      end if
+    end do
+  end subroutine sweep_arm_mixed
 
   !> The local problem, solved exactly: normal impulse, tangential one and moment of one contact, all others fixed, for u = W r + q
   !! with a symmetric positive definite block: 0 <= r_n complementary to u_n >= 0, and of the other two each |r_i| <= mu_i r_n,

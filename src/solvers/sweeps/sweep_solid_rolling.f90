@@ -3,16 +3,17 @@
 module sg_sweep_solid_rolling
   use sg_delassus, only: whole_block
   use sg_kinds, only: wp, i4
-  use sg_records, only: body_length, least_active, normal_x, normal_z, record_length, solid_arm_ax, solid_arm_az, solid_arm_cx, &
-                        solid_arm_cz, solid_bias_x, solid_bias_z, solid_cohesion, solid_compliance_n, solid_compliance_t, &
-                        solid_friction, solid_frictional, solid_gyration, solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, &
-                        solid_inverse_yz, solid_law, solid_rolling, solid_rolling_length, solid_spin_x, solid_spin_z, &
+  use sg_records, only: body_length, bond_shift, least_active, normal_x, normal_z, record_length, solid_arm_ax, solid_arm_az, &
+                        solid_arm_cx, solid_arm_cz, solid_bias_x, solid_bias_z, solid_bonded, solid_cohesion, solid_compliance_n, &
+                        solid_compliance_t, solid_friction, solid_frictional, solid_gyration, solid_inverse_lambda, &
+                        solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, solid_inverse_yz, solid_law, solid_mixed, &
+                        solid_rolling, solid_rolling_length, solid_spin_x, solid_spin_z, solid_stiffness_n, solid_stiffness_t, &
                         solid_tangent_x, solid_tangent_z, solid_twisting_length, velocity_x, velocity_z
-  use sg_sweep_solid, only: sweep_solid_frictional
+  use sg_sweep_solid, only: sweep_solid_bonded, sweep_solid_frictional
   use sg_vectors, only: cross
   implicit none
   private
-  public :: sweep_solid_rolling, spatial_rolling_step
+  public :: sweep_solid_rolling, sweep_solid_mixed, spatial_rolling_step
 
   !> First and last component of each impulse that the normal one bounds: tangential force, rolling moment, twisting moment
   integer, parameter :: first(3) = [2, 4, 6], last(3) = [3, 5, 6]
@@ -65,6 +66,31 @@ contains
       call push(body(:, a), -p, -cross(record(solid_arm_ax:solid_arm_az, k), p) - moment)
     end do
   end subroutine sweep_solid_rolling
+
+  !> One sweep over contacts of which some are held by cohesive zones and others bear moments.
+  pure subroutine sweep_solid_mixed(n, n_bodies, pair, record, relaxation, impulse, body)
+    integer, intent(in) :: n !! contacts
+    integer, intent(in) :: n_bodies !! slots
+    integer(i4), intent(in) :: pair(2, n) !! slots of candidate and antagonist
+    real(wp), intent(in) :: record(record_length(solid_mixed), n) !! records of contacts
+    real(wp), intent(in) :: relaxation !! share of each change taken
+    real(wp), intent(inout) :: impulse(6, n) !! impulses [N s], and moments over the step [N m s], in the world's axes
+    real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies) !! records of bodies; their velocities change
+    real(wp) :: bonded(record_length(solid_bonded))
+    integer :: k, shift
+
+    shift = bond_shift(solid_mixed)
+    do k = 1, n
+      if (record(solid_law, k) > least_active .and. &
+          .not. max(record(solid_stiffness_n + shift, k), record(solid_stiffness_t + shift, k)) > 0) then
+        call sweep_solid_rolling(1, n_bodies, pair(:, k), record(:record_length(solid_rolling), k), relaxation, impulse(:, k), body)
+      else
+        bonded(:solid_inverse_lambda) = record(:solid_inverse_lambda, k)
+        bonded(solid_stiffness_n:) = record(solid_stiffness_n + shift:, k)
+        call sweep_solid_bonded(1, n_bodies, pair(:, k), bonded, relaxation, impulse(:3, k), body)
+      end if
+    end do
+  end subroutine sweep_solid_mixed
 
   !> Give a body an impulse and an angular one about its centre.
   pure subroutine push(body, p, angular)

@@ -2,18 +2,19 @@
 module sg_sweeps
   use sg_iterates, only: iterates_t, takes_momentum
   use sg_kinds, only: wp, i4
-  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, arm_rolling, ball_frictional, ball_frictionless, &
-                        round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless, solid_rolling
+  use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, arm_mixed, arm_rolling, ball_frictional, ball_frictionless, &
+                        round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless, solid_mixed, &
+                        solid_rolling
   use sg_sweep_arm, only: sweep_arm_bonded, sweep_arm_frictional, sweep_arm_frictionless
   use sg_sweep_ball, only: sweep_ball_frictional, sweep_ball_frictionless
   use sg_sweep_ball_lanes, only: sweep_ball_lanes
-  use sg_sweep_arm_rolling, only: sweep_arm_rolling
+  use sg_sweep_arm_rolling, only: sweep_arm_mixed, sweep_arm_rolling
   use sg_sweep_order, only: sweep_order_t
   use sg_sweep_round, only: sweep_round_frictional, sweep_round_frictionless
   use sg_sweep_solid, only: sweep_solid_bonded, sweep_solid_frictional, sweep_solid_frictionless
   use sg_sweep_solid_lanes, only: sweep_solid_lanes
   use sg_sweep_solid_order, only: solid_lanes_t
-  use sg_sweep_solid_rolling, only: sweep_solid_rolling
+  use sg_sweep_solid_rolling, only: sweep_solid_mixed, sweep_solid_rolling
   implicit none
   private
   public :: sweep, sweep_impulses, sweep_run
@@ -160,6 +161,10 @@ contains
       call sweep_arm_rolling(n, n_bodies, pair, record, relaxation, impulse, body)
     case (solid_rolling)
       call sweep_solid_rolling(n, n_bodies, pair, record, relaxation, impulse, body)
+    case (arm_mixed)
+      call sweep_arm_mixed(n, n_bodies, pair, record, relaxation, impulse, body)
+    case (solid_mixed)
+      call sweep_solid_mixed(n, n_bodies, pair, record, relaxation, impulse, body)
     end select
   end subroutine sweep_run
 end module sg_sweeps
