@@ -35,9 +35,9 @@ module sg_scene_from_deck
   public :: scene_from_deck
 
   !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(14) = [character(len=11) :: 'material', 'interaction', 'link', 'joint', 'body', &
-                                                      'wall', 'container', 'brick_wall', 'arch', 'chain', 'blocks', 'clump', &
-                                                      'sample', 'rain']
+  character(len=11), parameter :: own_sections(13) = [character(len=11) :: 'material', 'interaction', 'link', 'body', 'wall', &
+                                                      'container', 'brick_wall', 'arch', 'chain', 'blocks', 'clump', 'sample', &
+                                                      'rain']
 
 contains
 
@@ -90,7 +90,8 @@ contains
     call report_overlaps(deck, overlaps, diagnostics)
   end subroutine scene_from_deck
 
-  !> Build the scene of a DATBOX folder, with gravity, drives, pressures, bonds and moments against rolling of the deck on top.
+  !> Build the scene of a DATBOX folder, with gravity, drives, pressures, bonds, joints and moments against rolling of the deck on
+  !! top.
   subroutine scene_from_datbox(deck, block, options, scene, diagnostics)
     type(deck_t), intent(inout) :: deck
     integer, intent(in) :: block
@@ -140,6 +141,11 @@ contains
     call rolling_from_deck(deck, scene, diagnostics)
     call check_rolling(deck, options, scene, diagnostics)
     call bonds_from_deck(deck, options, scene, diagnostics)
+    if (deck%count_of('joint') > 0) then
+      deck%contactors = share%contactors
+      call joints_from_deck(deck, scene, diagnostics)
+      call locate_links(scene%links, scene%contactors)
+    end if
     call wrap(scene)
     call passages_from_deck(deck, scene, diagnostics)
   end subroutine scene_from_datbox

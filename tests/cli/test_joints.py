@@ -62,6 +62,33 @@ class Joints(ProgramCase):
         return [{name: float(value) for name, value in row.items() if name != "body"} for row in self.rows(output, "tracks.csv")
                 if row["body"] == body]
 
+    def test_datbox(self):
+        """Next to a DATBOX, whose bodies go by number: the run of the deck itself, on one rank and on two."""
+        for is_in_space in (False, True):
+            if is_in_space:
+                head = start_in_space(1e-3, 60) + 'position = [0.0, 0.0, 0.0]\n[[body]]\nname = "door"\nshape = "box"\n' \
+                    'half_axes = [0.2, 0.02, 0.3]\nposition = [0.2, 0.0, 0.0]\n'
+                hinge = '[[joint]]\nbodies = [{}, {}]\npoint = [0.0, 0.0, 0.0]\naxis = [0.0, 0.3, 1.0]\nwidth = 0.4\n'
+            else:
+                head = start(1e-3, 60) + bar("bar", 1.0)
+                hinge = "[[joint]]\nbodies = [{}, {}]\npoint = [0.0, 0.0]\n"
+            native = head + hinge.format(2, 1) + "[[track]]\nbody = 2\n"
+            self.run_deck(native, output="native")
+            (self.place / "deck.toml").write_text(head)
+            box = f"BOX{int(is_in_space)}"
+            self.run_program("convert", "deck.toml", box)
+            scene = f'[scene]\ndimension = {2 + is_in_space}\ndatbox = "{box}"\n'
+            text = scene + START.format(step=1e-3, steps=60).partition("[[material]]")[0] + hinge.format(2, 1) + "[[track]]\nbody = 2\n"
+            self.run_deck(text)
+            own, other = self.track("door" if is_in_space else "bar", "native"), self.track("2")
+            for name in ("y", "velocity_y", "force_y"):
+                # Numbers of a DATBOX have eight digits.
+                self.assertAlmostEqual(other[-1][name] / own[-1][name], 1.0, delta=1e-6, msg=name)
+            self.assertGreater(abs(own[-1]["velocity_y"]), 1e-2)
+            if self.launcher:
+                self.on_ranks(2, text, "ranks")
+                self.assertAlmostEqual(self.track("2", "ranks")[-1]["y"], other[-1]["y"], delta=1e-9)
+
     def test_compound_pendulum(self):
         """A bar released from rest: at the horizontal the pivot bears a quarter of its weight, at the lowest point it turns at
         sqrt(3 g/L) and the pivot bears 5/2 of it; the pivot stays in place."""
