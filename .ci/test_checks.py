@@ -185,6 +185,33 @@ def test_tables_of_records(tmp_path, old, new, finding):
     assert (status, finding in printed) == (int(bool(finding)), True)
 
 
+DECKS_CSV = "deck,cpu_seconds,from,ranks,expect,follows,picture\nball.toml,0.02,run,1,It bounces.,closed form,ball.png\n"
+
+
+@pytest.mark.parametrize("place, text, finding", [
+    ("decks.csv", DECKS_CSV, ""),
+    ("new/late.toml", "# A late deck.\n", "input_decks/new/late.toml:1: no row in input_decks/decks.csv"),
+    ("ball.toml", "[time]\n", "input_decks/ball.toml:1: no comment at the top"),
+    ("ball.toml", "# Another ball. It falls.\n", "input_decks/README.md:1: not what .ci/draw_decks writes"),
+    ("decks.csv", DECKS_CSV + "gone.toml,,,1,Nothing.,none,\n", "input_decks/decks.csv:3: no deck gone.toml"),
+    ("decks.csv", DECKS_CSV.replace("It bounces.", ""), "input_decks/decks.csv:2: ball.toml has no expect"),
+    ("decks.csv", DECKS_CSV.replace("ball.png", "box.png"), "input_decks/decks.csv:2: no picture doc/images/box.png"),
+    ("decks.csv", DECKS_CSV.replace(",run,", ",guide/none.md,"), "input_decks/decks.csv:2: no page doc/guide/none.md"),
+])  # fmt: skip
+def test_page_of_decks(tmp_path, place, text, finding):
+    for name, content in (("input_decks/ball.toml", "# A ball of 0.1 m (A. Dyskin) falls. It bounces.\n[time]\n"),
+                          ("input_decks/decks.csv", DECKS_CSV), ("doc/images/ball.png", ""), (f"input_decks/{place}", None)):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        if content is not None:
+            (tmp_path / name).write_text(content)
+    assert run("draw_decks", tmp_path)[0] == 0
+    page = (tmp_path / "input_decks/README.md").read_text()
+    assert "| A ball of 0.1 m (A. Dyskin) falls. | 0.02 | It bounces. |" in page
+    (tmp_path / "input_decks" / place).write_text(text)
+    status, printed = run("draw_decks", "--check", tmp_path)
+    assert (status, finding in printed) == (int(bool(finding)), True), printed
+
+
 @pytest.mark.parametrize("place, old, new, finding", [
     ("bodies/bodies.f90", "", "", "2 files, 0 findings"),
     ("bodies/bodies.f90", "mass(:)\n", "mass(:)\n    real(wp), allocatable :: heat(:), salt(:, :)\n", "salt of bodies_t is visited 0"),

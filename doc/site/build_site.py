@@ -52,6 +52,8 @@ def write_pages(pages, has_fortran):
     (pages / "index.md").write_text(re.sub(r'(\]\(|src=")doc/', r"\1", text))
     for page in (pages / "guide").glob("*.md"):
         page.write_text(page.read_text().replace("](../../input_decks", "](../input_decks").replace("](../../README.md", "](../index.md"))
+    decks = pages / "input_decks/README.md"
+    decks.write_text(re.sub(r'(\]\(|src=")\.\./doc/', r"\1../", decks.read_text()).replace("](../README.md", "](../index.md"))
     (pages / "gallery.md").write_text(gallery())
     (pages / "python_api.md").write_text(python_api())
     if has_fortran:
@@ -60,19 +62,10 @@ def write_pages(pages, has_fortran):
 
 
 def gallery():
-    """All decks with their first sentence, and all pictures."""
-    lines = ["# Gallery", "", "## Pictures", ""]
+    """All pictures; decks have a page of their own."""
+    lines = ["# Gallery", "", "[Decks](input_decks/README.md), with their times and what to expect of them.", ""]
     for picture in sorted([*(TOP / "doc/images").glob("*.png"), *(TOP / "doc/images").glob("*.webp")]):
         lines += [f"![{picture.stem.replace('_', ' ')}](images/{picture.name})", ""]
-    lines += ["## Decks", "", "| deck | what it is |", "| --- | --- |"]
-    for deck in sorted((TOP / "input_decks").rglob("*.toml")):
-        comment = []
-        for line in deck.read_text().splitlines():
-            if not line.startswith("#"):
-                break
-            comment.append(line.lstrip("# "))
-        name = deck.relative_to(TOP)
-        lines.append(f"| [{name.relative_to('input_decks')}]({name}) | {' '.join(comment).replace('|', '/')} |")
     return "\n".join(lines) + "\n"
 
 
