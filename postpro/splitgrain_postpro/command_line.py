@@ -23,6 +23,7 @@ COMMANDS = {
     "trace": "errors against CPU time within the steps that were traced, and what these steps cost by phase",
     "spectrum": "power spectra of wall forces, momentum and kinetic energy ([report] spectrum)",
     "tracks": "columns of the tracked bodies against time ([[track]])",
+    "regions": "indicators in the boxes of [[region]] against time: compactness, coordination, volume error, contacts, speeds",
     "walls": "pressure, force and place of the walls against time, strains and void ratio of the cell that they enclose",
     "field": "sections of a coarse-grained field ([[field]]): solid fraction, speed, pressure, shear rate",
     "structure": "radial distribution g(r) and structure factor S(k) of the packing",
@@ -58,10 +59,11 @@ def parser() -> ArgumentParser:
             command.add_argument("--at", metavar="STEP", type=int, help="last grid up to this step (default the last one)")
         if name == "walls":
             command.add_argument("--wall", metavar="PATTERN", default="*", help="walls to draw, by name with * and ? (default *)")
-        if name == "tracks":
-            command.add_argument("--body", metavar="PATTERN", default="*", help="bodies to draw, by name with * and ? (default *)")
+        if name in ("tracks", "regions"):
+            word, usual = ("body", "displacement, mean force and torque, work") if name == "tracks" else ("region", "the indicators")
+            command.add_argument(f"--{word}", metavar="PATTERN", default="*", help=f"which {word} to draw, by name with * and ? (default *)")
             command.add_argument("--columns", metavar="NAME,...", type=lambda words: words.split(","),
-                                 help="columns to draw, one panel each (default: displacement, mean force and torque, work)")
+                                 help=f"columns to draw, one panel each (default: {usual})")
         if name in ("scene", "movie", "thrust", "split"):
             space = command.add_argument_group("scenes in space")
             space.add_argument("--azimuth", metavar="DEGREES", type=float, default=AZIMUTH,

@@ -70,6 +70,8 @@ def draw(arguments: Namespace) -> tuple[Results, list[str], Path]:
             figure, missing = spectra.spectrum_figure(results)
         elif arguments.command == "tracks":
             figure, missing = tracks.tracks_figure(results, arguments.body, arguments.columns)
+        elif arguments.command == "regions":
+            figure, missing = tracks.regions_figure(results, arguments.region, arguments.columns)
         elif arguments.command == "field":
             figure, missing = fields.field_figure(results.field(arguments.number), results.name, arguments.at)
         elif arguments.command == "walls":

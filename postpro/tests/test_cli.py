@@ -1,5 +1,6 @@
 """The commands write pages of the expected size, whatever part of the results is there."""
 
+import json
 import struct
 
 import h5py
@@ -16,7 +17,7 @@ from splitgrain_postpro.scene import QUANTITIES, draw_scene, draw_split
 from splitgrain_postpro.space import View
 from splitgrain_postpro.style import new_figure
 from splitgrain_postpro.traces import draw_costs, draw_history
-from splitgrain_postpro.tracks import tracks_figure, walls_figure
+from splitgrain_postpro.tracks import regions_figure, tracks_figure, walls_figure
 
 
 @pytest.fixture
@@ -89,6 +90,30 @@ def test_tracks(folder, capsys):
     assert "no tracked body matches wall" in capsys.readouterr().err
     figure, _ = tracks_figure(Results(folder), "3", ["force_y"])
     assert figure.axes[0].lines[0].get_ydata().tolist() == [1, 2, 3]
+
+
+def test_regions(folder, capsys):
+    assert main(["regions", str(folder)]) == 2
+    assert "set [[region]] box = [...] in the deck" in capsys.readouterr().err
+    header = "step,time,stage,region,grains,single_contacts,double_contacts,compactness,coordination,mean_velocity,max_velocity\n"
+    rows = [f"{step},{step}e-3,1,below.{place},30,{step},9,0.6,4,1,{place}\n" for step in (1, 2, 3) for place in range(10)]
+    (folder / "regions.csv").write_text(header + "".join(rows))
+    assert main(["regions", str(folder)]) == 0
+    assert size_of(folder / "regions.png") == (1650, 1665)
+    assert "2 regions are not drawn: --region PATTERN chooses" in capsys.readouterr().err
+    assert main(["regions", str(folder), "--columns", "pressure"]) == 2
+    assert "regions.csv has no column pressure" in capsys.readouterr().err
+    assert main(["regions", str(folder), "--region", "above"]) == 2
+    assert "no region matches above; there are below.0, " in capsys.readouterr().err
+    run = json.loads((folder / "run.json").read_text())
+    (folder / "run.json").write_text(json.dumps(run | {"stages": [{"start_time": 0.0}, {"start_time": 2e-3}]}))
+    figure, _ = regions_figure(Results(folder), "below.[34]")
+    contacts, speeds = figure.axes[3], figure.axes[4]
+    assert [line.get_label() for line in contacts.lines[:2]] == ["below.3, single", "below.3, double"]
+    assert contacts.lines[0].get_ydata().tolist() == [1, 2, 3] and contacts.lines[0].get_linestyle() == "-"
+    assert [line.get_label() for line in speeds.lines[:4]] == [f"below.{place}, {word}" for place in (3, 4) for word in ("mean", "max")]
+    # The last line of a panel is where the second stage begins.
+    assert all(list(ax.lines[-1].get_xdata()) == [2e-3, 2e-3] for ax in figure.axes)
 
 
 def test_walls(folder, capsys):
