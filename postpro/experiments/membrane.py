@@ -40,7 +40,8 @@ def curves(results):
     radius = np.asarray(grains["radius"])[np.asarray(grains["is_grain"]) > 0]
     axial = top["mean_force_y"] / (area / height)
     rows = np.flatnonzero(top["stage"] >= 2)
-    strain = np.log(height[rows[0] - 1] / height[rows])
+    # A run that goes on from the first stage has no row of it: its own first row is within 1e-5 of the height at the start.
+    strain = np.log(height[max(rows[0] - 1, 0)] / height[rows])
     return strain, (axial[rows] - CONFINING) / CONFINING, np.pi * (radius**2).sum() / area[rows]
 
 

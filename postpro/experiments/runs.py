@@ -21,12 +21,13 @@ BLACK, ORANGE, GREEN, BLUE, VERMILION = "#000000", "#E69F00", "#009E73", "#0072B
 class Runner:
     """Runs decks on ranks, each run in a folder of its own that stays."""
 
-    def __init__(self, program, folder, launcher):
+    def __init__(self, program, folder, launcher, solver=PLAIN_SWEEPS):
+        self.solver = solver
         self.program, self.folder, self.launcher = str(Path(program).resolve()), Path(folder), launcher.split()
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def run(self, name, deck, ranks=1, state=None, **sections):
-        """Run a deck by plain sweeps, with `section={key: value}` laid over it, unless that was done; returns the folder of its
+        """Run a deck by the solver of this runner, with `section={key: value}` laid over it, unless that was done; returns the folder of its
         results."""
         results = self.folder / name
         if (results / "run.json").exists() and json.loads((results / "run.json").read_text())["status"] == "done":
@@ -36,7 +37,7 @@ class Runner:
             words = self.launcher + [str(ranks)] + words
         if state:
             words += ["--restart", str(state)]
-        sections["solver"] = PLAIN_SWEEPS | sections.get("solver", {})
+        sections["solver"] = self.solver | sections.get("solver", {})
         for section, keys in sections.items():
             for key, value in keys.items():
                 words += ["--set", f"{key}={value}" if section == "anywhere" else f"{section}.{key}={value}"]

@@ -1,6 +1,6 @@
 """The angle of the shear bands of a biaxial test between membranes, beside Mohr-Coulomb, Roscoe and Arthur.
 
-usage: PYTHONPATH=postpro python3 -P postpro/experiments/shear_band.py PNG RESULTS...
+usage: PYTHONPATH=postpro:postpro/experiments python3 -P postpro/experiments/shear_band.py PNG RESULTS...
 
 RESULTS is what input_decks/talk/membrane_biaxial.toml leaves; the first one is drawn, means are those of all.
 

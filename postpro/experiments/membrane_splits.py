@@ -1,0 +1,162 @@
+"""The biaxial test between membranes on 1, 4, 16 and 64 subdomains, and overlap at the cuts between them.
+
+usage: PYTHONPATH=postpro:postpro/experiments python3 -P postpro/experiments/membrane_splits.py PROGRAM FOLDER [curves] [overlaps]
+
+`curves`: input_decks/talk/membrane_biaxial.toml with half the radii and half the step from one consolidated state, SEEDS runs on one
+subdomain that differ in the order of sweeps and RUNS of each split (`dual`), judged as in doc/theory/decomposition_study.md (spread.py):
+inside the band of the runs on one subdomain for no less of the strain, and out of it by no more, than each of those is when left out.
+
+`overlaps`: the test of that study between rigid walls (input_decks/decomposition/biaxial_compression.toml), whose overlaps at cuts grew:
+by plain sweeps as there, by the default solver, and with overlap undone (`time.recovery`), which wires of membranes do not allow.
+
+All subdomains share one process (`partition.parts`). Runs that are in FOLDER are not made again. doc/talk/membrane_biaxial.md shows
+what it gave.
+"""
+
+import sys
+
+import numpy as np
+from biaxial_causes import frames, pressed
+from membrane import curves
+from runs import BLACK, GREEN, ORANGE, PLAIN_SWEEPS, VERMILION, Runner, newest, summary
+from splitgrain_postpro.results import Results
+from splitgrain_postpro.style import new_figure
+from spread import difference, left_out, newcomer
+
+MEMBRANE, RIGID = "talk/membrane_biaxial.toml", "decomposition/biaxial_compression.toml"
+SIZE = {"sample.radius": "[3.5e-3,5.25e-3]", "time.step": 2.5e-4}
+SHORTENED, CONSOLIDATED = 0.5, 2.5e-4  # durations of the second stage [s]: of runs, and of the one that makes their start
+SEEDS, RUNS = 12, 3
+SPLITS = {4: ([2, 2], GREEN), 16: ([4, 4], ORANGE), 64: ([8, 8], VERMILION)}
+CURVES = ("compactness", "deviator")
+LABELS = {"compactness": "compactness", "deviator": "deviatoric over confining stress"}
+#: Ways to solve, for overlaps: solver, recovery
+WAYS = {
+    "plain sweeps": (PLAIN_SWEEPS, 0),
+    "default": ({"method": '"nesterov"', "check_every": 0}, 0),
+    "default, recovery 1e-3": ({"method": '"nesterov"', "check_every": 0}, 1e-3),
+}
+RIGID_STEPS = 600  # 6 % of strain
+
+
+def cut(parts):
+    """Keys of [partition] that cut a scene in boxes."""
+    return {"parts": parts, "gluing": '"dual"'} | ({"boxes": SPLITS[parts][0]} if parts > 1 else {})
+
+
+def shortened(runner, parts, seed):
+    """One run of the test between membranes: its folder."""
+    state = runner.run("consolidated", MEMBRANE, anywhere=SIZE | {"stage[2].duration": CONSOLIDATED})
+    keys = {"stage[2].duration": SHORTENED, "solver.order": "shuffled", "solver.order_seed": seed}
+    return runner.run(f"membrane_{parts}_{seed}", MEMBRANE, state=newest(state), partition=cut(parts), anywhere=SIZE | keys)
+
+
+def columns(folder):
+    """Strain and curves of a run."""
+    strain, deviator, compactness = curves(Results(folder))
+    return {"strain": strain, "deviator": deviator, "compactness": compactness}
+
+
+def bands(runner):
+    """Runs on one subdomain, and those of each split; table and figure of what they give."""
+    ones = [columns(shortened(runner, 1, seed)) for seed in range(1, 1 + SEEDS)]
+    splits = {parts: [columns(shortened(runner, parts, seed)) for seed in range(1, 1 + RUNS)] for parts in SPLITS}
+    rows = [row for curve in CURVES for row in verdicts(curve, [run[curve] for run in ones],
+                                                        {parts: [run[curve] for run in runs] for parts, runs in splits.items()})]
+    runner.write("membrane_bands", rows)
+    draw_bands(runner, ones, splits)
+
+
+def verdicts(curve, ones, splits):
+    """Rows of a curve: the runs on one subdomain left out, and each split: first run against the band, mean of the last third."""
+    band = np.array(ones)
+    share, out = left_out(band).T
+    last = 2 * band.shape[1] // 3
+    rows = [line(curve, f"1 subdomain, left out: {name}", inside, beyond) for name, inside, beyond in
+            (("worst", share.min(), out.max()), ("median", np.median(share), np.median(out)))]  # fmt: skip
+    for parts, runs in splits.items():
+        by, error = difference(np.array(runs)[:, last:].mean(1), band[:, last:].mean(1))
+        for seed, run in enumerate(runs, 1):
+            inside, beyond = newcomer(run, band)
+            passes = "yes" if inside >= share.min() and beyond <= out.max() else "NO"
+            shift = f"{by:+.1e} ± {error:.1e}" if seed == 1 else ""
+            rows.append(line(curve, f"{parts} subdomains, seed {seed}", inside, beyond, passes, shift))
+    return rows
+
+
+def line(curve, run, share, out, passes="", shift=""):
+    """A row of the table of bands."""
+    return {"curve": LABELS[curve], "run": run, "inside the band": f"{100 * share:.0f} %", "largest distance out": f"{out:.1e}",
+            "within the worst": passes, "mean of the last third, difference": shift}
+
+
+def draw_bands(runner, ones, splits):
+    """Both curves against strain, over the band of one subdomain."""
+    figure = new_figure(9, 4)
+    for ax, curve in zip(figure.subplots(1, 2), CURVES):
+        strain, band = 100 * ones[0]["strain"], np.array([run[curve] for run in ones])
+        ax.fill_between(strain, band.min(0), band.max(0), color="#CFCFCF", lw=0, label=f"1 subdomain: {len(band)} orders")
+        ax.plot(strain, band[0], color=BLACK, lw=1, label="1 subdomain, the first of them")
+        for parts, runs in splits.items():
+            for seed, run in enumerate(runs):
+                ax.plot(strain, run[curve], color=SPLITS[parts][1], lw=1.2 if seed == 0 else 0.5,
+                        label=f"{parts} subdomains" if seed == 0 else None)
+        ax.set(xlabel="axial strain [%]", ylabel=LABELS[curve])
+        ax.legend()
+    figure.savefig(runner.folder / "membrane_bands.png", dpi=110)
+
+
+def pressed_between(runner, parts, way):
+    """One run of the test between rigid walls: its folder."""
+    solver, recovery = WAYS[way]
+    state = runner.run("rigid_start", RIGID, time={"steps": 600}, restart={"every": 600}, anywhere={"law[1].friction": 1e-6})
+    name = f"rigid_{parts}_{list(WAYS).index(way)}"
+    return runner.run(name, RIGID, state=newest(state), partition=cut(parts), solver=solver, output={"every": RIGID_STEPS // 3},
+                      time={"steps": summary(state)["steps"] + RIGID_STEPS, "recovery": recovery})  # fmt: skip
+
+
+def ratios(frame):
+    """Mean and largest overlap of contacts that carry a force: between subdomains, and of grains that touch no other subdomain."""
+    pair, rank = frame["pair"], frame["rank"]
+    between = rank[pair[0]] != rank[pair[1]]
+    inside = ~np.isin(pair, pair[:, between]).any(0)
+    overlap = np.maximum(-frame["gap"], 0)
+    return [function(overlap[where]) for function in (np.mean, np.max) for where in (between, inside)]
+
+
+def overlap_rows(names, split, whole):
+    """Rows of a split run's last picture: its overlaps, and those of a run on one subdomain at the same places."""
+    frame, beside = (pressed(list(frames(folder))[-1]) for folder in (split, whole))
+    for name, contacts in zip(("split", "1 subdomain, same places"), (frame, beside | {"rank": frame["rank"]})):
+        mean, mean_inside, most, most_inside = ratios(contacts)
+        yield names | {"run": name, "mean at cuts [m]": f"{mean:.1e}", "elsewhere [m]": f"{mean_inside:.1e}",
+                       "ratio of means": f"{mean / mean_inside:.2f}" if mean_inside else "–", "largest at cuts [m]": f"{most:.1e}",
+                       "largest elsewhere [m]": f"{most_inside:.1e}"}  # fmt: skip
+
+
+def overlaps(runner):
+    """Overlap at cuts against elsewhere: rigid walls by each way to solve; membranes where their runs are there."""
+    rows = []
+    for way in WAYS:
+        whole = pressed_between(runner, 1, way)
+        for parts in (16, 64):
+            rows += overlap_rows({"test": "rigid walls", "solver": way, "subdomains": parts}, pressed_between(runner, parts, way), whole)
+    for parts in SPLITS:
+        if (runner.folder / f"membrane_{parts}_1/run.json").exists():
+            split, whole = (shortened(runner, count, 1) for count in (parts, 1))
+            rows += overlap_rows({"test": "membranes", "solver": "default", "subdomains": parts}, split, whole)
+    runner.write("membrane_overlaps", rows)
+
+
+def main(program, folder, *studies):
+    runner = Runner(program, folder, "mpiexec --oversubscribe -n", solver={})
+    if "curves" in studies or not studies:
+        bands(runner)
+    if "overlaps" in studies or not studies:
+        overlaps(runner)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])
