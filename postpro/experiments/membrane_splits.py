@@ -3,11 +3,13 @@
 usage: PYTHONPATH=postpro:postpro/experiments python3 -P postpro/experiments/membrane_splits.py PROGRAM FOLDER [curves] [overlaps]
 
 `curves`: input_decks/talk/membrane_biaxial.toml with half the radii and half the step from one consolidated state, SEEDS runs on one
-subdomain that differ in the order of sweeps and RUNS of each split (`dual`), judged as in doc/theory/decomposition_study.md (spread.py):
-inside the band of the runs on one subdomain for no less of the strain, and out of it by no more, than each of those is when left out.
+subdomain that differ in the order of sweeps and RUNS of each split (`dual`), judged as in doc/theory/decomposition_study.md
+(spread.py): inside the band of the runs on one subdomain for no less of the strain, and out of it by no more, than each of those is
+when left out.
 
-`overlaps`: the test of that study between rigid walls (input_decks/decomposition/biaxial_compression.toml), whose overlaps at cuts grew:
-by plain sweeps as there, by the default solver, and with overlap undone (`time.recovery`), which wires of membranes do not allow.
+`overlaps`: the test of that study between rigid walls (input_decks/decomposition/biaxial_compression.toml), whose overlaps at cuts
+grew: by plain sweeps as there, by the default solver, with overlap undone (`time.recovery`), which wires of membranes do not allow,
+and glued by `primal`.
 
 All subdomains share one process (`partition.parts`). Runs that are in FOLDER are not made again. doc/talk/membrane_biaxial.md shows
 what it gave.
@@ -18,7 +20,7 @@ import sys
 import numpy as np
 from biaxial_causes import frames, pressed
 from membrane import curves
-from runs import BLACK, GREEN, ORANGE, PLAIN_SWEEPS, VERMILION, Runner, newest, summary
+from runs import BLACK, GREEN, ORANGE, PLAIN_SWEEPS, VERMILION, Runner, newest, record, summary
 from splitgrain_postpro.results import Results
 from splitgrain_postpro.style import new_figure
 from spread import difference, left_out, newcomer
@@ -30,18 +32,20 @@ SEEDS, RUNS = 12, 3
 SPLITS = {4: ([2, 2], GREEN), 16: ([4, 4], ORANGE), 64: ([8, 8], VERMILION)}
 CURVES = ("compactness", "deviator")
 LABELS = {"compactness": "compactness", "deviator": "deviatoric over confining stress"}
-#: Ways to solve, for overlaps: solver, recovery
+DEFAULT = {"method": '"nesterov"', "check_every": 0}
+#: Ways to solve, for overlaps: solver, gluing, recovery
 WAYS = {
-    "plain sweeps": (PLAIN_SWEEPS, 0),
-    "default": ({"method": '"nesterov"', "check_every": 0}, 0),
-    "default, recovery 1e-3": ({"method": '"nesterov"', "check_every": 0}, 1e-3),
+    "plain sweeps, dual": (PLAIN_SWEEPS, "dual", 0),
+    "default, dual": (DEFAULT, "dual", 0),
+    "default, dual, recovery 1e-3": (DEFAULT, "dual", 1e-3),
+    "default, primal": (DEFAULT, "primal", 0),
 }
 RIGID_STEPS = 600  # 6 % of strain
 
 
-def cut(parts):
+def cut(parts, gluing="dual"):
     """Keys of [partition] that cut a scene in boxes."""
-    return {"parts": parts, "gluing": '"dual"'} | ({"boxes": SPLITS[parts][0]} if parts > 1 else {})
+    return {"parts": parts, "gluing": f'"{gluing}"'} | ({"boxes": SPLITS[parts][0]} if parts > 1 else {})
 
 
 def shortened(runner, parts, seed):
@@ -108,15 +112,15 @@ def draw_bands(runner, ones, splits):
 
 def pressed_between(runner, parts, way):
     """One run of the test between rigid walls: its folder."""
-    solver, recovery = WAYS[way]
+    solver, gluing, recovery = WAYS[way]
     state = runner.run("rigid_start", RIGID, time={"steps": 600}, restart={"every": 600}, anywhere={"law[1].friction": 1e-6})
     name = f"rigid_{parts}_{list(WAYS).index(way)}"
-    return runner.run(name, RIGID, state=newest(state), partition=cut(parts), solver=solver, output={"every": RIGID_STEPS // 3},
-                      time={"steps": summary(state)["steps"] + RIGID_STEPS, "recovery": recovery})  # fmt: skip
+    return runner.run(name, RIGID, state=newest(state), partition=cut(parts, gluing), solver=solver,
+                      output={"every": RIGID_STEPS // 3}, time={"steps": summary(state)["steps"] + RIGID_STEPS, "recovery": recovery})  # fmt: skip
 
 
 def ratios(frame):
-    """Mean and largest overlap of contacts that carry a force: between subdomains, and of grains that touch no other subdomain."""
+    """Mean overlap of contacts that carry a force: between subdomains, and of grains that touch no other one; the largest of both."""
     pair, rank = frame["pair"], frame["rank"]
     between = rank[pair[0]] != rank[pair[1]]
     inside = ~np.isin(pair, pair[:, between]).any(0)
@@ -124,27 +128,28 @@ def ratios(frame):
     return [function(overlap[where]) for function in (np.mean, np.max) for where in (between, inside)]
 
 
-def overlap_rows(names, split, whole):
-    """Rows of a split run's last picture: its overlaps, and those of a run on one subdomain at the same places."""
-    frame, beside = (pressed(list(frames(folder))[-1]) for folder in (split, whole))
-    for name, contacts in zip(("split", "1 subdomain, same places"), (frame, beside | {"rank": frame["rank"]})):
-        mean, mean_inside, most, most_inside = ratios(contacts)
-        yield names | {"run": name, "mean at cuts [m]": f"{mean:.1e}", "elsewhere [m]": f"{mean_inside:.1e}",
-                       "ratio of means": f"{mean / mean_inside:.2f}" if mean_inside else "–", "largest at cuts [m]": f"{most:.1e}",
-                       "largest elsewhere [m]": f"{most_inside:.1e}"}  # fmt: skip
+def overlap_row(names, split, places):
+    """Overlaps of all pictures of a run, at the cuts of the run `places`, and what the record has of them."""
+    found = np.array([ratios(pressed(frame) | {"rank": where["rank"]}) for frame, where in zip(frames(split), frames(places))]).T
+    shown = [", ".join(f"{1e6 * value:.2g}" for value in values) for values in found]
+    rows, late = record(split), slice(-len(np.atleast_1d(record(split))) // 2, None)
+    return names | {"mean at cuts [µm]": shown[0], "elsewhere": shown[1], "ratio": f"{found[0, -1] / found[1, -1]:.2f}",
+                    "largest at cuts [µm]": f"{1e6 * found[2, -1]:.2g}", "elsewhere, largest": f"{1e6 * found[3, -1]:.2g}",
+                    "volume error": f"{rows['volume_error'][late].mean():.1e}",
+                    "compactness": f"{rows['compactness'][late].mean():.4f}", "sweeps per step": f"{rows['sweeps'][late].mean():.0f}"}  # fmt: skip
 
 
 def overlaps(runner):
     """Overlap at cuts against elsewhere: rigid walls by each way to solve; membranes where their runs are there."""
     rows = []
     for way in WAYS:
-        whole = pressed_between(runner, 1, way)
-        for parts in (16, 64):
-            rows += overlap_rows({"test": "rigid walls", "solver": way, "subdomains": parts}, pressed_between(runner, parts, way), whole)
-    for parts in SPLITS:
-        if (runner.folder / f"membrane_{parts}_1/run.json").exists():
-            split, whole = (shortened(runner, count, 1) for count in (parts, 1))
-            rows += overlap_rows({"test": "membranes", "solver": "default", "subdomains": parts}, split, whole)
+        runs = {parts: pressed_between(runner, parts, way) for parts in (1, 16, 64)}
+        for parts, places in ((1, 64), (16, 16), (64, 64)):
+            rows.append(overlap_row({"test": f"rigid walls, {way}", "subdomains": parts}, runs[parts], runs[places]))
+    if all((runner.folder / f"membrane_{parts}_1/run.json").exists() for parts in (1, *SPLITS)):
+        runs = {parts: shortened(runner, parts, 1) for parts in (1, *SPLITS)}
+        for parts, places in ((1, 64), (4, 4), (16, 16), (64, 64)):
+            rows.append(overlap_row({"test": "membranes, default", "subdomains": parts}, runs[parts], runs[places]))
     runner.write("membrane_overlaps", rows)
 
 

@@ -59,6 +59,30 @@ class TalkScenes(ProgramCase):
             # The membrane is pushed by half of the pressure on two segments of 8 mm each, and held by grains and wires.
             self.assertAlmostEqual(last["mean_force_x"], -1e4 * 8e-3, delta=0.5 * 1e4 * 8e-3)
 
+    def test_rigid_walls_press_a_sample_and_then_deform_it(self):
+        """At rest the forces on two free walls are the pressure over their free lengths; then the lateral one alone stays so. The second
+        stage from the checkpoint of the first, by --restart, is that of one run, digit by digit."""
+        if not self.has_hdf5():
+            self.skipTest("no HDF5")
+        deck = (DECKS / "walls_biaxial.toml").read_text()
+        self.assertIn("radius = [7e-3, 10.5e-3]", deck)
+        (self.place / "deck.toml").write_text(deck.replace("radius = [7e-3, 10.5e-3]", "radius = [0.012, 0.018]"))
+        shortened = ("--set", "stage[2].duration=0.2", "--quiet")
+        self.run_program("run", "deck.toml", "--output", "out", *shortened)
+        tracked = {(body, stage): self.rows_of("tracks.csv", body=body, stage=stage) for body in ("top", "right") for stage in "12"}
+        top, right = tracked["top", "1"][-1], tracked["right", "1"][-1]
+        width, height = right["x"] - 0.01, top["y"] - 0.01
+        # The stage ends with speeds of 1e-3 m/s at most: what is left of the inertia of walls and grains is far below 2 %.
+        self.assertAlmostEqual(top["mean_force_y"] / width, 1e4, delta=200)
+        self.assertAlmostEqual(right["mean_force_x"] / height, 1e4, delta=200)
+        last = slice(len(tracked["right", "2"]) // 2, None)
+        mean = sum(row["mean_force_x"] for row in tracked["right", "2"][last]) / len(tracked["right", "2"][last])
+        self.assertAlmostEqual(mean / height, 1e4, delta=500)
+        self.assertGreater(tracked["top", "2"][-1]["mean_force_y"] / width, 1.3e4)
+        self.run_program("run", "deck.toml", "--output", "first", "--set", "stage[2].duration=5e-4", "--quiet")
+        self.run_program("run", "deck.toml", "--restart", "first", "--output", "out", "--force", *shortened)
+        self.assertEqual(self.rows_of("tracks.csv", body="top", stage="2")[-1], tracked["top", "2"][-1])
+
     def test_a_pressure_on_a_chain_is_refused_with_one_sentence(self):
         deck = (DECKS / "membrane_biaxial.toml").read_text()
         for old, new, sentence in (
