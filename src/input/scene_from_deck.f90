@@ -12,7 +12,7 @@ module sg_scene_from_deck
   use sg_gravity_from_deck, only: gravity_from_deck
   use sg_interactions_from_deck, only: interactions_from_deck
   use sg_kinds, only: wp, i4
-  use sg_laws, only: forbids_overlap
+  use sg_laws, only: forbids_overlap, law_rigid_wire, law_rod, law_wire
   use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
   use sg_link_network, only: link_by_distance
   use sg_links, only: locate_links
@@ -161,6 +161,8 @@ contains
     if (.not. recovery > 0 .or. .not. allocated(scene%laws)) return
     do i = 1, size(scene%laws)
       if (forbids_overlap(scene%laws(i))) cycle
+      ! A push keeps the lengths of these links.
+      if (any(scene%laws(i)%kind == [law_rod, law_wire, law_rigid_wire])) cycle
       call deck%complain(diagnostics, 'overlap cannot be undone under the law "'//scene%laws(i)%name//'": it loads an elastic '// &
                          'contact, or shapes are held together', deck%block_of('time'), 'recovery')
       return

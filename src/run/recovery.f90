@@ -2,7 +2,8 @@
 !! (doc/theory/recovery.md).
 !!
 !! The push is the smallest one, in the norm of the masses, that opens all contacts: a contact problem without friction whose
-!! velocities are displacements over the step, a projection on positions [Acary2013]. Velocities and impulses stay as they are.
+!! velocities are displacements over the step, a projection on positions [Acary2013]. Velocities and impulses stay as they are, and
+!! links keep their lengths.
 module sg_recovery
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_assemble, only: begin_problem, put_contact
@@ -13,7 +14,8 @@ module sg_recovery
   use sg_contacts, only: contacts_t
   use sg_error, only: error_t
   use sg_kinds, only: wp
-  use sg_laws, only: forbidden_gap, local_law_t
+  use sg_laws, only: forbidden_gap, law_rigid_wire, law_rod, local_law_t, status_broken
+  use sg_link_contacts, only: is_link
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_relative_velocity
   use sg_motion, only: shift
@@ -79,6 +81,7 @@ contains
     do k = 1, contacts%n
       ! Nearly all are passed by here.
       if (.not. contacts%gap(k) < 0) cycle
+      if (is_link(scene, contacts, k)) cycle
       if (is_active(problem, k)) deepest = max(deepest, -gap_of(scene, contacts, k)/size_of(scene, contacts, k))
     end do
   end function deepest_share
@@ -131,8 +134,13 @@ contains
       push%closing_speed = 0
       push%most_friction = 0
       do k = 1, contacts%n
-        gap = gap_of(sim%scene, contacts, k) + h*opening_of(sim%scene, contacts, k)
-        law%bias(1) = max(gap, -most_push*size_of(sim%scene, contacts, k))/h
+        if (is_link(sim%scene, contacts, k)) then
+          law = law_of_length(sim%scene, contacts, k, h)
+        else
+          gap = gap_of(sim%scene, contacts, k) + h*opening_of(sim%scene, contacts, k)
+          law = local_law_t()
+          law%bias(1) = max(gap, -most_push*size_of(sim%scene, contacts, k))/h
+        end if
         call put_contact(sim%scene, sim%pairs, contacts, k, law, push)
         push%closing_speed = max(push%closing_speed, -law%bias(1))
         squares = squares + sum(compact_velocity(push, k)**2)
@@ -142,6 +150,27 @@ contains
       push%velocity_scale = push%closing_speed
     end associate
   end subroutine set_push
+
+  !> What a push asks of a link: a rod and a wire that pulls keep their length, so that their force stays; a slack wire and one that
+  !! does not stretch become no longer than they are without force.
+  pure function law_of_length(scene, contacts, k, h) result(law)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp), intent(in) :: h
+    type(local_law_t) :: law
+    real(wp) :: slack, rest
+
+    law%is_active = contacts%status(k) /= status_broken
+    associate (own => scene%laws(contacts%law(k)))
+      rest = scene%links%length(contacts%feature(k))
+      ! The normal of a wire is turned round: it opens as it becomes shorter.
+      slack = (1 + own%prestrain)*rest - contacts%gap(k) + h*opening_of(scene, contacts, k)
+      law%is_linear = own%kind == law_rod .or. (own%kind /= law_rigid_wire .and. slack < 0)
+      law%is_along_normal = law%is_linear
+      if (.not. law%is_linear) law%bias(1) = max(slack, -most_push*rest)/h
+    end associate
+  end function law_of_length
 
   !> Velocity at which a contact opens at the end of the step [m/s].
   pure real(wp) function opening_of(scene, contacts, k) result(u)

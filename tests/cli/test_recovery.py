@@ -11,6 +11,56 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program  # noqa: E402
 from ranks_case import COMMON, FLOOR, PRESSED, SIDES, grains  # noqa: E402
 
+# Two equal disks, 2.5 % of their radius deep in each other, the second of which is tied to a post.
+TIED = """[scene]
+gravity = [0.0, 0.0]
+[time]
+step = 1e-3
+steps = 8
+recovery = 1e-6
+recovery_every = 1
+[solver]
+criterion = "e8"
+tolerance = 1e-12
+[output]
+record_every = 1
+[[track]]
+body = "first"
+[[track]]
+body = "second"
+[[material]]
+name = "stone"
+density = 2500.0
+[[law]]
+name = "grain"
+friction = 0.3
+[[law]]
+name = "tie"
+{law}
+[[interaction]]
+candidate = "any"
+antagonist = "any"
+law = "grain"
+[[body]]
+name = "first"
+shape = "disk"
+radius = 0.1
+position = [0.0, 0.0]
+[[body]]
+name = "second"
+shape = "disk"
+radius = 0.1
+position = [0.1975, 0.0]
+[[body]]
+name = "post"
+shape = "disk"
+radius = 0.01
+position = [{post}, 0.0]
+fixed = true
+[[link]]
+bodies = ["second", "post"]
+law = "tie"
+"""
 # Few sweeps leave much overlap.
 LOOSE = ["--set", 'solver.method="nlgs"', "--set", "solver.maximum_sweeps=20", "--set", "output.record_every=1"]
 RECOVERY = ["--set", "time.recovery=1e-4"]
@@ -57,6 +107,38 @@ class Recovery(ProgramCase):
                 self.assertLess(run["kinetic_energy"], 1e-10)
                 self.assertLess(run["energy_closure"], 1e-10)
                 self.assertIn(f"recovered     bodies were pushed apart after {run['recoveries']} step", said)
+
+    def test_links_keep_their_length(self):
+        """A tied disk stays, and the other one takes the whole way; along a wire that is slack, or towards its post, both take half."""
+        rod, wire = ("kind = \"{}\"\naxial_stiffness = 1e5".format(kind) for kind in ("ROD", "WIRE"))
+        left, right = -1.0, 1.0
+        for law, post, more, second in ((rod, left, "", 0.0), (rod, right, "", 0.0), (wire, left, "", 0.0), (wire, right, "", 0.00125),
+                                        ('kind = "RIGID_WIRE"', left, "", 0.0), ('kind = "RIGID_WIRE"', right, "", 0.00125),
+                                        ('kind = "RIGID_WIRE"', left, "length = 1.2", 0.00125)):
+            with self.subTest(law=law, post=post, more=more):
+                self.run_deck(TIED.format(law=law, post=post) + more + "\n", "out", "--quiet", "--force")
+                x = {row["body"]: float(row["x"]) for row in self.rows("out", "tracks.csv")}
+                # Overlap is undone to the e8 of 0.01 of a push; what is left of 1e-6 of the radius, 1e-7 m, is not pushed any more.
+                self.assertAlmostEqual(x["second"], 0.1975 + second, delta=2e-7)
+                self.assertAlmostEqual(x["first"], second - 0.0025, delta=4e-7)
+
+    def test_a_membrane_that_confines_grains(self):
+        """Next to wires that pull, overlap is undone on one subdomain and on three; wires keep their forces, and the balance closes."""
+        if not self.has_hdf5():
+            self.skipTest("the deck has stages, which need HDF5")
+        deck = (Path(__file__).resolve().parents[2] / "input_decks/talk/membrane_biaxial.toml").read_text()
+        self.assertIn("radius = [7e-3, 10.5e-3]", deck)
+        deck = deck.replace("radius = [7e-3, 10.5e-3]", "radius = [0.012, 0.018]")
+        for parts in (1, 3):
+            with self.subTest(parts=parts):
+                words = ["--quiet", "--force", "--set", "time.steps=400", "--set", f"partition.parts={parts}", "--set", "solver.tolerance=0.1"]
+                self.run_deck(deck, "without", *words)
+                self.run_deck(deck, "with", *words, "--set", "time.recovery=1e-4")
+                without, run = self.run_json("without"), self.run_json("with")
+                self.assertGreater(run["recoveries"], 2)
+                # Measured on one subdomain: an eighth, while the sample is still being pressed together.
+                self.assertLess(run["mean_penetration"], 0.3 * without["mean_penetration"])
+                self.assertLess(run["energy_closure"], 1e-10)
 
     def test_refused(self):
         """Laws to which overlap belongs, with the place of the key."""
