@@ -8,8 +8,8 @@ subdomain that differ in the order of sweeps and RUNS of each split (`dual`), ju
 when left out.
 
 `overlaps`: the test of that study between rigid walls (input_decks/decomposition/biaxial_compression.toml), whose overlaps at cuts
-grew: by plain sweeps as there, by the default solver, with overlap undone (`time.recovery`), which wires of membranes do not allow,
-and glued by `primal`.
+grew: by plain sweeps as there, by the default solver, with overlap undone (`time.recovery`), and glued by `primal`; and the test
+between membranes with overlap undone and without.
 
 All subdomains share one process (`partition.parts`). Runs that are in FOLDER are not made again. doc/talk/membrane_biaxial.md shows
 what it gave.
@@ -48,11 +48,12 @@ def cut(parts, gluing="dual"):
     return {"parts": parts, "gluing": f'"{gluing}"'} | ({"boxes": SPLITS[parts][0]} if parts > 1 else {})
 
 
-def shortened(runner, parts, seed):
+def shortened(runner, parts, seed, recovery=0):
     """One run of the test between membranes: its folder."""
     state = runner.run("consolidated", MEMBRANE, anywhere=SIZE | {"stage[2].duration": CONSOLIDATED})
     keys = {"stage[2].duration": SHORTENED, "solver.order": "shuffled", "solver.order_seed": seed}
-    return runner.run(f"membrane_{parts}_{seed}", MEMBRANE, state=newest(state), partition=cut(parts), anywhere=SIZE | keys)
+    name = f"membrane_{parts}_{seed}" + ("_recovered" if recovery else "")
+    return runner.run(name, MEMBRANE, state=newest(state), partition=cut(parts), time={"recovery": recovery}, anywhere=SIZE | keys)
 
 
 def columns(folder):
@@ -140,16 +141,16 @@ def overlap_row(names, split, places):
 
 
 def overlaps(runner):
-    """Overlap at cuts against elsewhere: rigid walls by each way to solve; membranes where their runs are there."""
+    """Overlap at cuts against elsewhere: between rigid walls by each way to solve, and between membranes."""
     rows = []
     for way in WAYS:
         runs = {parts: pressed_between(runner, parts, way) for parts in (1, 16, 64)}
         for parts, places in ((1, 64), (16, 16), (64, 64)):
             rows.append(overlap_row({"test": f"rigid walls, {way}", "subdomains": parts}, runs[parts], runs[places]))
-    if all((runner.folder / f"membrane_{parts}_1/run.json").exists() for parts in (1, *SPLITS)):
-        runs = {parts: shortened(runner, parts, 1) for parts in (1, *SPLITS)}
+    for recovery, way in ((0, "default"), (1e-3, "recovery 1e-3")):
+        runs = {parts: shortened(runner, parts, 1, recovery) for parts in (1, *SPLITS)}
         for parts, places in ((1, 64), (4, 4), (16, 16), (64, 64)):
-            rows.append(overlap_row({"test": "membranes, default", "subdomains": parts}, runs[parts], runs[places]))
+            rows.append(overlap_row({"test": f"membranes, {way}, dual", "subdomains": parts}, runs[parts], runs[places]))
     runner.write("membrane_overlaps", rows)
 
 
