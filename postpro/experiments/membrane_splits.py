@@ -3,7 +3,7 @@
 usage: PYTHONPATH=postpro:postpro/experiments python3 -P postpro/experiments/membrane_splits.py PROGRAM FOLDER [curves] [overlaps]
 
 `curves`: input_decks/talk/membrane_biaxial.toml with half the radii and half the step from one consolidated state, SEEDS runs on one
-subdomain that differ in the order of sweeps and RUNS of each split (`dual`), judged as in doc/theory/decomposition_study.md
+subdomain that differ in the order of sweeps and up to three of each split (`dual`), judged as in doc/theory/decomposition_study.md
 (spread.py): inside the band of the runs on one subdomain for no less of the strain, and out of it by no more, than each of those is
 when left out.
 
@@ -28,8 +28,9 @@ from spread import difference, left_out, newcomer
 MEMBRANE, RIGID = "talk/membrane_biaxial.toml", "decomposition/biaxial_compression.toml"
 SIZE = {"sample.radius": "[3.5e-3,5.25e-3]", "time.step": 2.5e-4}
 SHORTENED, CONSOLIDATED = 0.5, 2.5e-4  # durations of the second stage [s]: of runs, and of the one that makes their start
-SEEDS, RUNS = 12, 3
-SPLITS = {4: ([2, 2], GREEN), 16: ([4, 4], ORANGE), 64: ([8, 8], VERMILION)}
+SEEDS = 12
+#: Subdomains: boxes, runs, colour (64 subdomains in one process cost 25 times as much as one)
+SPLITS = {4: ([2, 2], 3, GREEN), 16: ([4, 4], 3, ORANGE), 64: ([8, 8], 1, VERMILION)}
 CURVES = ("compactness", "deviator")
 LABELS = {"compactness": "compactness", "deviator": "deviatoric over confining stress"}
 DEFAULT = {"method": '"nesterov"', "check_every": 0}
@@ -65,7 +66,7 @@ def columns(folder):
 def bands(runner):
     """Runs on one subdomain, and those of each split; table and figure of what they give."""
     ones = [columns(shortened(runner, 1, seed)) for seed in range(1, 1 + SEEDS)]
-    splits = {parts: [columns(shortened(runner, parts, seed)) for seed in range(1, 1 + RUNS)] for parts in SPLITS}
+    splits = {parts: [columns(shortened(runner, parts, seed)) for seed in range(1, 1 + SPLITS[parts][1])] for parts in SPLITS}
     rows = [row for curve in CURVES for row in verdicts(curve, [run[curve] for run in ones],
                                                         {parts: [run[curve] for run in runs] for parts, runs in splits.items()})]
     runner.write("membrane_bands", rows)
@@ -104,7 +105,7 @@ def draw_bands(runner, ones, splits):
         ax.plot(strain, band[0], color=BLACK, lw=1, label="1 subdomain, the first of them")
         for parts, runs in splits.items():
             for seed, run in enumerate(runs):
-                ax.plot(strain, run[curve], color=SPLITS[parts][1], lw=1.2 if seed == 0 else 0.5,
+                ax.plot(strain, run[curve], color=SPLITS[parts][2], lw=1.2 if seed == 0 else 0.5,
                         label=f"{parts} subdomains" if seed == 0 else None)
         ax.set(xlabel="axial strain [%]", ylabel=LABELS[curve])
         ax.legend()
@@ -147,9 +148,9 @@ def overlaps(runner):
         runs = {parts: pressed_between(runner, parts, way) for parts in (1, 16, 64)}
         for parts, places in ((1, 64), (16, 16), (64, 64)):
             rows.append(overlap_row({"test": f"rigid walls, {way}", "subdomains": parts}, runs[parts], runs[places]))
-    for recovery, way in ((0, "default"), (1e-3, "recovery 1e-3")):
-        runs = {parts: shortened(runner, parts, 1, recovery) for parts in (1, *SPLITS)}
-        for parts, places in ((1, 64), (4, 4), (16, 16), (64, 64)):
+    for recovery, way, splits in ((0, "default", tuple(SPLITS)), (1e-3, "recovery 1e-3", (4, 16))):
+        runs = {parts: shortened(runner, parts, 1, recovery) for parts in (1, *splits)}
+        for parts, places in ((1, splits[-1]), *((parts, parts) for parts in splits)):
             rows.append(overlap_row({"test": f"membranes, {way}, dual", "subdomains": parts}, runs[parts], runs[places]))
     runner.write("membrane_overlaps", rows)
 
