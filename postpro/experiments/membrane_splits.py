@@ -1,11 +1,12 @@
 """The biaxial test between membranes on 1, 4, 16 and 64 subdomains, and overlap at the cuts between them.
 
-usage: PYTHONPATH=postpro:postpro/experiments python3 -P postpro/experiments/membrane_splits.py PROGRAM FOLDER [curves] [overlaps]
+usage: PYTHONPATH=postpro:postpro/experiments python3 -P postpro/experiments/membrane_splits.py PROGRAM FOLDER
+         [curves] [recovered] [overlaps]
 
 `curves`: input_decks/talk/membrane_biaxial.toml with half the radii and half the step from one consolidated state, SEEDS runs on one
 subdomain that differ in the order of sweeps and up to three of each split (`dual`), judged as in doc/theory/decomposition_study.md
 (spread.py): inside the band of the runs on one subdomain for no less of the strain, and out of it by no more, than each of those is
-when left out.
+when left out. `recovered`: the same with overlap undone, on 16 subdomains.
 
 `overlaps`: the test of that study between rigid walls (input_decks/decomposition/biaxial_compression.toml), whose overlaps at cuts
 grew: by plain sweeps as there, by the default solver, with overlap undone (`time.recovery`), and glued by `primal`; and the test
@@ -63,14 +64,15 @@ def columns(folder):
     return {"strain": strain, "deviator": deviator, "compactness": compactness}
 
 
-def bands(runner):
+def bands(runner, recovery=0, splits=tuple(SPLITS)):
     """Runs on one subdomain, and those of each split; table and figure of what they give."""
-    ones = [columns(shortened(runner, 1, seed)) for seed in range(1, 1 + SEEDS)]
-    splits = {parts: [columns(shortened(runner, parts, seed)) for seed in range(1, 1 + SPLITS[parts][1])] for parts in SPLITS}
+    ones = [columns(shortened(runner, 1, seed, recovery)) for seed in range(1, 1 + SEEDS)]
+    runs = {parts: [columns(shortened(runner, parts, seed, recovery)) for seed in range(1, 1 + SPLITS[parts][1])] for parts in splits}
     rows = [row for curve in CURVES for row in verdicts(curve, [run[curve] for run in ones],
-                                                        {parts: [run[curve] for run in runs] for parts, runs in splits.items()})]
-    runner.write("membrane_bands", rows)
-    draw_bands(runner, ones, splits)
+                                                        {parts: [run[curve] for run in found] for parts, found in runs.items()})]
+    name = "membrane_bands" + ("_recovered" if recovery else "")
+    runner.write(name, rows)
+    draw_bands(runner.folder / f"{name}.png", ones, runs)
 
 
 def verdicts(curve, ones, splits):
@@ -96,7 +98,7 @@ def line(curve, run, share, out, passes="", shift=""):
             "within the worst": passes, "mean of the last third, difference": shift}
 
 
-def draw_bands(runner, ones, splits):
+def draw_bands(path, ones, splits):
     """Both curves against strain, over the band of one subdomain."""
     figure = new_figure(9, 4)
     for ax, curve in zip(figure.subplots(1, 2), CURVES):
@@ -109,7 +111,7 @@ def draw_bands(runner, ones, splits):
                         label=f"{parts} subdomains" if seed == 0 else None)
         ax.set(xlabel="axial strain [%]", ylabel=LABELS[curve])
         ax.legend()
-    figure.savefig(runner.folder / "membrane_bands.png", dpi=110)
+    figure.savefig(path, dpi=110)
 
 
 def pressed_between(runner, parts, way):
@@ -159,6 +161,8 @@ def main(program, folder, *studies):
     runner = Runner(program, folder, "mpiexec --oversubscribe -n", solver={})
     if "curves" in studies or not studies:
         bands(runner)
+    if "recovered" in studies or not studies:
+        bands(runner, 1e-3, (16,))
     if "overlaps" in studies or not studies:
         overlaps(runner)
 
