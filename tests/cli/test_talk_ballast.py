@@ -74,6 +74,26 @@ class Ballast(ProgramCase):
         below = self.rows_of("tamped", "regions.csv", region="below", stage="6")
         self.assertTrue(all(int(row["grains"]) > 5 for row in below))
 
+    def test_a_sleeper_settles_under_cycles_of_load(self):
+        """Eight cycles of load: contacts carry its mean and the weight, the sleeper sinks, and no overlap adds up to it."""
+        if not self.has_hdf5():
+            self.skipTest("no HDF5")
+        self.run_program("run", DECKS / "settlement.toml", "--output", "settled", "--quiet", "--set", "solver.tolerance=1e-3",
+                         "--set", "solver.maximum_sweeps=500", "--set", "constants.cycles=8", "--set",
+                         "stage[5].solver.tolerance=1e-5")  # fmt: skip
+        cycles = self.rows_of("settled", "tracks.csv", body="sleeper", stage="5")
+        self.assertEqual(len(cycles), 8 * 5)
+        before = self.rows_of("settled", "tracks.csv", body="sleeper", stage="4")[-1]
+        sunk = float(before["y"]) - float(cycles[-1]["y"])
+        self.assertGreater(sunk, 0)
+        self.assertLess(sunk, 0.04)
+        # The mean of load from 1 to 60 kN, and the weight of 0.26 m x 0.2 m of concrete; the sleeper ends at rest to within 0.05 m/s.
+        carried = 30.5e3 + 0.26 * 0.2 * 2400 * 9.81
+        momentum = 0.26 * 0.2 * 2400 * 0.05 / (8 / 20)
+        self.assertAlmostEqual(self.mean(cycles, "mean_force_y"), carried, delta=momentum + 0.002 * carried)
+        overlap = self.rows_of("settled", "regions.csv", region="below", stage="5")
+        self.assertTrue(all(float(row["volume_error"]) < 1e-3 for row in overlap))
+
 
 if __name__ == "__main__":
     take_program()
