@@ -8,7 +8,8 @@ the sleeper has sunk since the load began to swing, at the end of cycle N, when 
     s_N = a + b log10 N = a (1 + C log10 N),
 
 by least squares over numbers of cycles that are evenly spread over log10 N, so that each decade counts alike. Coefficients are
-printed for each sample, then their mean and standard deviation over the samples, next to C of [Dahlberg2001].
+printed for each sample, then their mean and standard deviation over the samples, and those of the mean curve, in which the jumps of
+single samples even out, next to C of [SeligWaters1994].
 """
 
 import sys
@@ -18,7 +19,7 @@ from splitgrain_postpro.results import Results
 from splitgrain_postpro.style import new_figure
 
 FREQUENCY = 20.0  # Hz: as in the deck
-PUBLISHED = (0.2, 0.4)  # C of the logarithmic laws that Dahlberg2001 reviews
+PUBLISHED = (0.2, 0.4)  # C of SeligWaters1994
 
 
 def settlement(results, frequency=FREQUENCY):
@@ -49,12 +50,13 @@ def draw(ax, sunk, colour, label):
 def main(output, *folders):
     figure = new_figure(7, 4.5)
     ax = figure.subplots()
-    found = []
+    found, curves = [], []
     for i, folder in enumerate(folders):
         results = Results(folder)
         sunk = settlement(results)
         a, b, explained = logarithmic_law(sunk)
         found.append((1e3 * a, 1e3 * b, b / a))
+        curves.append(sunk)
         draw(ax, sunk, f"C{i}", f"sample {i + 1}")
         late = (sunk[-1] - sunk[len(sunk) // 2]) / (len(sunk) - 1 - len(sunk) // 2)
         print(f"{folder}: {len(sunk) - 1} cycles, s_1 {1e3 * sunk[1]:.2f} mm, last {1e3 * sunk[-1]:.2f} mm; a {1e3 * a:.2f} mm, "
@@ -63,6 +65,11 @@ def main(output, *folders):
     mean, spread = np.mean(found, axis=0), np.std(found, axis=0, ddof=min(1, len(found) - 1))
     for name, value, error in zip(("a [mm]", "b [mm per decade]", "C"), mean, spread):
         print(f"{name}: {value:.3f} +- {error:.3f} over {len(found)} samples")
+    shortest = min(map(len, curves))
+    together = np.mean([sunk[:shortest] for sunk in curves], axis=0)
+    a, b, explained = logarithmic_law(together)
+    draw(ax, together, "black", "mean")
+    print(f"mean curve of {shortest - 1} cycles: a {1e3 * a:.2f} mm, b {1e3 * b:.2f} mm per decade, C {b / a:.3f}, R2 {explained:.3f}")
     print(f"published C: {PUBLISHED[0]} to {PUBLISHED[1]}")
     ax.set(xscale="log", xlabel="load cycles N", ylabel="settlement [mm]")
     ax.invert_yaxis()

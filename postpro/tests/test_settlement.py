@@ -40,4 +40,5 @@ def test_coefficients_and_their_spread_are_printed(results, capsys):
     printed = capsys.readouterr().out
     assert re.search(r"200 cycles, s_1 5\.00 mm, last 8\.45 mm; a 5\.00 mm, b 1\.50 mm per decade, C 0\.300", printed)
     assert "C: 0.300 +- 0.000 over 2 samples" in printed
+    assert "mean curve of 200 cycles: a 5.00 mm, b 1.50 mm per decade, C 0.300, R2 1.000" in printed
     assert (results / "law.png").stat().st_size > 1000
