@@ -200,10 +200,10 @@ class Results:
         grids = [None if pictures is None else pictures.step(index).present()
                  for pictures in (self.bodies, self.shapes, self.contacts)]
         grids[0] = self.with_layers(grids[0])
-        return Scene(float(self.picture_times[index]), *grids, self._cell(index))
+        return Scene(float(self.picture_times[index]), *grids, self.cell(index))
 
-    def _cell(self, index):
-        """Edges of the periodic cell of a picture; its tilt is what only such a cell has."""
+    def cell(self, index: int) -> np.ndarray | None:
+        """Edges of the periodic cell of a picture as rows [m]; None where there is none: its tilt is what only such a cell has."""
         tilt = self.bodies.field("tilt") if self.bodies is not None else None
         if tilt is None:
             return None

@@ -2,15 +2,21 @@
 
 import base64
 import json
+import os
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from sample_space import write_space_results
 
+import splitgrain as sg
 from splitgrain_postpro import Results, ResultsError
 from splitgrain_postpro.cli import main
 from splitgrain_postpro.viewer import page_data
+
+TOP = Path(__file__).parents[2]
+needs_program = pytest.mark.skipif("SPLITGRAIN_PROGRAM" not in os.environ, reason="no SPLITGRAIN_PROGRAM")
 
 
 def unpacked(text, *shape):
@@ -58,3 +64,56 @@ def test_pictures_are_thinned_and_needed(folder, tmp_path):
     (tmp_path / "none/record.csv").write_text("step,time\n")
     with pytest.raises(ResultsError, match="output.every"):
         page_data(Results(tmp_path / "none"))
+
+
+def run(deck, folder, **settings):
+    """Results of a deck of this source, shortened."""
+    settings = {"time.steps": 200, "output.every": 50, **settings}
+    return sg.Deck(TOP / deck).run(folder, set=settings, ranks=1).results
+
+
+@needs_program
+@pytest.mark.parametrize("deck", ["simple_shear", "triaxial"])
+def test_a_cell_is_drawn_with_the_images_whose_centres_lie_within_it(tmp_path, deck):
+    results = run(f"input_decks/cell/{deck}.toml", tmp_path / "run", **{"time.steps": 800, "output.every": 400})
+    data = page_data(results)
+    d, m, n = 3 if data["in_space"] else 2, len(data["times"]), len(data["grains"])
+    box = data["box"]
+    edges, inverses = (unpacked(box[name], m, 3, 3) for name in ("edges", "inverses"))
+    assert box["periodic"] == [1, 1, d - 2]
+    record = results.record
+    assert [edges[-1, k, k] for k in range(d)] == pytest.approx([record[name][-1] for name in ("cell_x", "cell_y", "cell_z")[:d]], rel=1e-6)
+    # The tilt is the shear strain times the height.
+    tilt = record["strain_xy"][-1] * edges[-1, 1, 1] if d == 2 else 0.0
+    assert edges[-1, 1, 0] == pytest.approx(tilt, abs=1e-6) and (d == 3 or tilt > 0.01)
+    places = unpacked(data["places"], m, n, 3) - box["corner"]
+    shares = (places @ inverses)[..., :d]
+    assert shares.min() > -1e-5 and shares.max() < 1 + 1e-5
+    # Images differ from the bodies of the pictures by whole edges.
+    moves = np.array([(results.bodies.step(k).points - places[k]) @ inverses[k] for k in range(m)])[..., :d]
+    assert moves == pytest.approx(np.round(moves), abs=1e-4)
+
+
+@needs_program
+def test_absent_bodies_are_marked_and_do_not_widen_the_view(tmp_path):
+    results = run("tests/pages/entering.toml", tmp_path / "run")
+    data = page_data(results)
+    m, n = len(data["times"]), len(data["grains"])
+    present = np.array(data["present"], dtype=bool)
+    assert present.shape == (m, n) and n == 62
+    assert [len(results.scene(k).bodies.points) for k in range(m)] == present.sum(axis=1).tolist()
+    # No grain is there at the start, the gate is gone at the end, and all that entered count as grains.
+    gate = next(number for number, name in results.body_names.items() if name == "gate") - 1
+    assert present[0].sum() == 2 and present[0, gate] and not present[-1, gate]
+    assert sum(data["grains"]) == results.record["entered"][-1] and 0 < results.record["removed"][-1] < results.record["entered"][-1]
+    places = unpacked(data["places"], m, n, 3)
+    grains = present & (np.array(data["grains"]) > 0)
+    assert np.all(np.abs(places[grains][:, :2]) < data["half"])
+    assert data["half"][1] < 0.4
+
+
+def test_lines_of_walls_go_with_their_bodies(folder):
+    data = page_data(Results(folder))
+    lines, of = unpacked(data["lines"], -1, 2, 3), np.array(data["line_bodies"])
+    assert len(lines) == len(of) and set(of) == {4, 5, 6, 7, 8}
+    assert np.abs(lines[of == 4]).reshape(-1, 3) == pytest.approx(np.tile([1.7, 1.2, 0.1], (2 * np.sum(of == 4), 1)))

@@ -95,12 +95,47 @@ def mistakes_of_scene(browser):
     if first is None:
         return ["has no WebGL 2"]
     found = [f"WebGL reports error {seen['error']}" for seen in (first, last) if seen["error"]]
-    found += [f"bodies cover {100 * seen['covered']:.1f} % of the view" for seen in (first, last) if not 0.03 < seen["covered"] < 0.97]
+    found += [f"bodies cover {100 * seen['covered']:.1f} % of the view" for seen in (first, last)
+              if seen["grains"] and not 0.01 < seen["covered"] < 0.97]  # fmt: skip
     if first["pictures"] > 1 and first["sum"] == last["sum"]:
         found.append("shows the same in all pictures")
     browser.value("document.getElementById('slider').value = 0, document.getElementById('slider').oninput({target: {value: '0'}}), 1")
     if browser.value("window.lookAt(0)")["sum"] != first["sum"]:
         found.append("shows another first picture after the slider")
+    return found + mistakes_of_presence(browser) + mistakes_of_cell(browser)
+
+
+def mistakes_of_presence(browser):
+    """What is wrong with bodies that enter and leave: those that are absent must not be drawn, and the others are those of the record."""
+    if not browser.value("data.present !== null"):
+        return []
+    found = []
+    for number in browser.value("data.present.flatMap((row, k) => row.includes(0) ? [k] : [])"):
+        shown = browser.value(f"window.lookAt({number})")
+        kept = browser.value(f"(kept = data.present, data.present = null, one = window.lookAt({number}), data.present = kept, one)")
+        if kept["sum"] == shown["sum"]:
+            found.append(f"draws bodies that are absent in picture {number}")
+    # A column that does not change is left out of the page: then nothing was removed, or all grains were there from the start.
+    present, entered, removed, seen = browser.value("[window.lookAt(0).grains, ...['entered', 'removed'].map(name => (data.record[name] || [0]).at(-1)),"
+                                                    " window.lookAt(1e9).grains]")  # fmt: skip
+    if seen != present + entered - removed:
+        found.append(f"shows {seen} grains at the end; {present} were there, {entered} entered and {removed} were removed")
+    return found
+
+
+def mistakes_of_cell(browser):
+    """What is wrong with the cell of a plane scene: images fill its rim as its inside, to the compactness of the record, and none is beyond."""
+    if not browser.value("box !== null && !data.in_space && box.periodic[1] > 0"):
+        return []
+    seen, compactness = browser.value("[window.lookAt(1e9), data.record.compactness.at(-1)]")
+    found = []
+    # Pixels are counted whole: on 400 pixels a disk of the test is 4 pixels wide.
+    if abs(seen["within"] - compactness) > 0.06:
+        found.append(f"covers {seen['within']:.3f} of the cell; the compactness is {compactness:.3f}")
+    if abs(seen["rim"] - seen["within"]) > 0.09:
+        found.append(f"covers {seen['rim']:.3f} of the rim of the cell and {seen['within']:.3f} of its inside")
+    if seen["beyond"] > 0.01:
+        found.append(f"covers {seen['beyond']:.3f} of what is beyond the cell")
     return found
 
 
