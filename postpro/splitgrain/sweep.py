@@ -15,6 +15,9 @@ from .deck import Deck
 from .errors import RunError
 from .run import Run
 
+OVER_ROWS: dict[str, Callable[[np.ndarray], float]] = {"largest": np.nanmax, "least": np.nanmin, "mean": np.nanmean}
+"""What a number of a run may be in place of the last value of a column."""
+
 
 class Sweep:
     """The runs of a sweep, in the order of the combinations."""
@@ -26,24 +29,43 @@ class Sweep:
         return len(self.runs)
 
     def last(self, column: str | Callable[[Run], float]) -> np.ndarray:
-        """A number per run: the last value of a column (`last_value`), or what a function returns for a run."""
+        """A number per run: a column (`last_value`), or what a function returns for a run."""
         if callable(column):
             return np.array([float(column(run)) for run in self.runs])
         return np.array([last_value(run.results, column) for run in self.runs])
 
     def statistics(self, column: str | Callable[[Run], float], over: str = "seed") -> list[dict[str, Any]]:
         """For every combination of the other values: `mean`, `spread` (standard deviation, not a number for one) and `runs`."""
-        groups: dict[str, list[int]] = {}
-        others = [{key: value for key, value in values.items() if key != over} for values in self.values]
-        for k, other in enumerate(others):
-            groups.setdefault(_text(other), []).append(k)
         numbers = self.last(column)
         rows = []
-        for own in groups.values():
+        for other, own in self._groups(over):
             found = numbers[own]
             spread = float(found.std(ddof=1)) if len(own) > 1 else float("nan")
-            rows.append({**others[own[0]], "mean": float(found.mean()), "spread": spread, "runs": len(own)})
+            rows.append({**other, "mean": float(found.mean()), "spread": spread, "runs": len(own)})
         return rows
+
+    def curves(self, column: str, against: str = "time", over: str = "seed", points: int = 200) -> list[dict[str, Any]]:
+        """For every combination of the other values a column in time: `x` (mean of `against`), `mean`, `spread` and `runs`.
+
+        Runs are interpolated to common times, as far as all of a combination go.
+        """
+        rows = []
+        for other, own in self._groups(over):
+            pairs = [[timed_column(self.runs[k].results, name) for name in (against, column)] for k in own]
+            times = [time for pair in pairs for time, _ in pair]
+            grid = np.linspace(max(time[0] for time in times), min(time[-1] for time in times), points)
+            x, y = (np.array([np.interp(grid, *pair[k]) for pair in pairs]) for k in (0, 1))
+            spread = y.std(axis=0, ddof=1) if len(own) > 1 else np.full(points, np.nan)
+            rows.append({**other, "x": x.mean(axis=0), "mean": y.mean(axis=0), "spread": spread, "runs": len(own)})
+        return rows
+
+    def _groups(self, over):
+        """Values other than one, and the numbers of the runs that have them."""
+        groups: dict[str, tuple[dict, list[int]]] = {}
+        for k, values in enumerate(self.values):
+            other = {key: value for key, value in values.items() if key != over}
+            groups.setdefault(_text(other), (other, []))[1].append(k)
+        return list(groups.values())
 
     def table(self, *columns: str) -> Any:
         """Values and last numbers of columns, one row per run: a pandas DataFrame, or a list of dictionaries without pandas."""
@@ -57,21 +79,31 @@ class Sweep:
 
 
 def last_value(results: Any, column: str) -> float:
-    """The last value of a column of the record; of `column(name)` that of a region or a tracked body; of either with `after STAGE`
-    behind it the last one of that stage. A KeyError holds a sentence about what is not there."""
+    """The last value of a column, which is named as in `timed_column`; behind `largest of`, `least of` or `mean of` that over all rows."""
+    what, of, name = column.strip().partition(" of ")
+    if of and what in OVER_ROWS:
+        return float(OVER_ROWS[what](timed_column(results, name)[1]))
+    return float(timed_column(results, column)[1][-1])
+
+
+def timed_column(results: Any, column: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values of a column of the record; of `column(name)` those of a region, a tracked body or a wall; of each with
+    `after STAGE` behind it those up to the end of that stage. A KeyError holds a sentence about what is not there."""
     found = re.fullmatch(r"(\w+)(?:\((.+)\))?(?: after (.+))?", column.strip())
     name, owner, stage = found.groups() if found else (column, None, None)
-    rows = results.record if owner is None else results.regions.get(owner, results.tracks.get(owner, {}))
-    where = "the record" if owner is None else f"the region or the track '{owner}'" if rows else f"no region and no track '{owner}', so it"
+    tables = [results.record] if owner is None else [one[owner] for one in (results.regions, results.tracks, results.walls) if owner in one]
+    rows = next((one for one in tables if name in one), {})
+    where = ("the record" if owner is None else f"the region, track or wall '{owner}'" if tables else
+             f"no region, track or wall is called '{owner}', so it")  # fmt: skip
     if not len(rows.get(name, ())):
         raise KeyError(f"{where} has no column '{name}'")
     if stage is None:
-        return float(rows[name][-1])
+        return rows["time"], rows[name]
     ends = [one["last_step"] for one in results.run.get("stages", []) if one["name"] == stage]
-    last = np.flatnonzero(rows["step"] <= ends[0]) if ends else []
-    if not len(last):
+    count = np.count_nonzero(rows["step"] <= ends[0]) if ends else 0
+    if not count:
         raise KeyError(f"the run has no stage '{stage}', or no row up to its end")
-    return float(rows[name][last[-1]])
+    return rows["time"][:count], rows[name][:count]
 
 
 def sweep(

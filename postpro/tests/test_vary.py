@@ -5,8 +5,11 @@ import json
 import os
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import splitgrain as sg
+from splitgrain_postpro import Results
 from splitgrain_postpro.cli import main
 
 STUDY = Path(__file__).parents[2] / "input_decks/studies/friction_of_blocks.toml"
@@ -27,9 +30,9 @@ def test_blocks_against_closed_forms(tmp_path, capsys):
         # 50 kg per metre of depth, braked by mu g for 0.2 s.
         assert float(row["kinetic_energy"]) == pytest.approx(25 * (speed - friction * 9.81 * 0.2) ** 2, rel=1e-6)
     page = (tmp_path / "study/study.html").read_text()
-    assert page.count("<svg") == 3 and page.count("checked data-series=") == 2 and "http-equiv" not in page and "src=" not in page
-    assert all(f'id="figure2-series{k}"' in page for k in (0, 1))
-    assert "8 runs, 3 figures" in capsys.readouterr().out
+    assert page.count("<svg") == 4 and page.count("checked data-series=") == 2 + 8 and "http-equiv" not in page and "src=" not in page
+    assert all(f'id="figure2-series{k}"' in page for k in (0, 1)) and all(f'id="figure3-series{k}"' in page for k in range(2, 10))
+    assert "8 runs, 4 figures" in capsys.readouterr().out
     (tmp_path / "no study").mkdir()
     assert main(["study", str(tmp_path)]) == 0 and "1 study" in capsys.readouterr().out
     index = (tmp_path / "index.html").read_text()
@@ -112,7 +115,7 @@ values = [5.0, 10.0]
     for row in rows_of(tmp_path / "on/results.csv"):
         fall = -old * 0.2**2 / 2 - old * 0.2 * 0.05 - float(row["constants.g"]) * 0.05**2 / 2
         assert float(row["y(ball)"]) == pytest.approx(fall, rel=1e-9)
-    for old, new, sentence in (("y(ball) after up", "y(bell)", "no region and no track 'bell'"),
+    for old, new, sentence in (("y(ball) after up", "y(bell)", "no region, track or wall is called 'bell'"),
                                ("y(ball) after up", "w(ball)", "has no column 'w'"),
                                ("y(ball) after up", "y(ball) after left", "no stage 'left'")):
         (tmp_path / "study.toml").write_text(study.replace(old, new))
@@ -155,7 +158,7 @@ values = [10, 20]
 @pytest.mark.parametrize("old, new, line, sentence", [
     ('plot = ["kinetic_energy", "friction_loss", "sweeps"]', 'plot = ["kinetic"]', 5, "no column 'kinetic'"),
     ('key = "law[1].friction"', 'key = "law[1].fiction"', 0, "fiction"),
-    ("values = [0.1, 0.2, 0.3, 0.4]", "value = 0.1", 10, "unknown key 'value'"),
+    ("values = [0.1, 0.2, 0.3, 0.4]", "value = 0.1", 11, "unknown key 'value'"),
     ('deck = "../sliding_block.toml"', 'deck = "nowhere.toml"', 4, "no deck"),
 ])
 def test_mistakes_have_their_lines(tmp_path, capsys, old, new, line, sentence):
@@ -164,3 +167,99 @@ def test_mistakes_have_their_lines(tmp_path, capsys, old, new, line, sentence):
     assert main(["study", str(tmp_path / "study.toml"), "--output", str(tmp_path / "out")]) == 2
     printed = capsys.readouterr().err
     assert sentence in printed and (not line or f"study.toml:{line}:" in printed), printed
+
+
+GRAINS = """[time]
+step = 1e-3
+steps = 60
+[output]
+record_every = 5
+[scene]
+gravity = [0.0, -9.81]
+[[material]]
+name = "stone"
+density = 1000.0
+[[law]]
+friction = 0.3
+[[wall]]
+name = "floor"
+from = [-1.0, -0.01]
+to = [2.0, -0.01]
+thickness = 0.02
+[[region]]
+name = "all"
+box = [-1.0, -1.0, 2.0, 2.0]
+[[track]]
+body = "lid"
+[[body]]
+name = "lid"
+shape = "disk"
+radius = 0.1
+position = [0.5, 1.5]
+[[sample]]
+kind = "random"
+box = [0.0, 0.0, 1.0, 1.0]
+radius = [0.03, 0.05]
+fill = 0.3
+"""
+
+
+def test_any_column_is_plotted_with_mean_and_spread_over_seeds(tmp_path):
+    """Every column of every table of a run may be plotted; the numbers of the files are those of the runs."""
+    deck = sg.Deck(write(tmp_path / "deck.toml", GRAINS))
+    columns = ["compactness", "wall_seconds", "pressure(all)", "y(lid)", "force_y(floor)"]
+    curves = ["kinetic_energy", "force_y(floor)", "potential_energy against y(lid)"]
+    write(tmp_path / "study.toml", f"""deck = "deck.toml"
+plot = {json.dumps([*columns, "largest of kinetic_energy", "mean of sweeps", "least of potential_energy"])}
+curves = {json.dumps(curves)}
+seeds = [1, 2, 3]
+[[vary]]
+key = "law[1].friction"
+values = [0.1, 0.5]
+""")
+    assert main(["study", str(tmp_path / "study.toml"), "--output", str(tmp_path / "out"), "--jobs", "2"]) == 0
+    page = (tmp_path / "out/study.html").read_text()
+    assert page.count("<svg") == len(columns) + 6 and "means over 3 seeds" in page and page.count("checked data-series=") == 2
+    runs = {}
+    for path in (tmp_path / "out/runs").glob("*.json"):
+        values = json.loads(path.read_text())
+        runs[values["law[1].friction"], values["seed"]] = Results(path.with_suffix("")).record
+    for row in rows_of(tmp_path / "out/results.csv"):
+        record = runs[float(row["law[1].friction"]), int(row["seed"])]
+        assert all(float(row[name]) == record[name][-1] for name in columns if "(" not in name)
+        assert float(row["largest of kinetic_energy"]) == record["kinetic_energy"].max()
+        assert float(row["mean of sweeps"]) == pytest.approx(record["sweeps"].mean())
+        assert float(row["least of potential_energy"]) == record["potential_energy"].min()
+    # A grid of 200 times over 12 rows of equal steps: its ends are rows.
+    rows = [row for row in rows_of(tmp_path / "out/curves.csv") if row["column"] == "kinetic_energy" and row["law[1].friction"] == "0.5"]
+    ends = np.array([runs[0.5, seed]["kinetic_energy"][[0, -1]] for seed in (1, 2, 3)])
+    assert len(rows) == 200 and [float(rows[k]["x"]) for k in (0, -1)] == pytest.approx([0.005, 0.06])
+    assert [float(rows[k]["mean"]) for k in (0, -1)] == pytest.approx(ends.mean(axis=0), rel=1e-9)
+    assert [float(rows[k]["spread"]) for k in (0, -1)] == pytest.approx(ends.std(axis=0, ddof=1), rel=1e-9) and ends.std() > 0
+    assert {row["against"] for row in rows_of(tmp_path / "out/curves.csv")} == {"time", "y(lid)"}
+    sweep = sg.sweep(deck, {"law[1].friction": [0.1, 0.5], "seed": [1, 2, 3]}, output=tmp_path / "out/runs", ranks=1)
+    assert len(list((tmp_path / "out/runs").glob("*.json"))) == 6
+    results = [run.results for run in sweep.runs]
+    for tables in (lambda one: {"": one.record}, lambda one: one.tracks, lambda one: one.regions, lambda one: one.walls):
+        for owner, table in tables(results[0]).items():
+            assert len(table) > 8
+            for name in table:
+                found = sweep.last(f"{name}({owner})" if owner else name)
+                assert np.array_equal(found, [tables(one)[owner][name][-1] for one in results], equal_nan=True), (owner, name)
+
+
+@pytest.mark.parametrize("curves, sentence", [
+    ('["speed"]', "the record has no column 'speed'"), ('["sweeps against tme"]', "the record has no column 'tme'"),
+    ('["y(led)"]', "no region, track or wall is called 'led'"), ("[1]", "'curves' should be a list of columns of the record"),
+])
+def test_mistakes_of_curves_have_their_lines(tmp_path, capsys, curves, sentence):
+    write(tmp_path / "deck.toml", GRAINS)
+    write(tmp_path / "study.toml", f'deck = "deck.toml"\ncurves = {curves}\n[[vary]]\nkey = "law[1].friction"\nvalues = [0.1]\n')
+    assert main(["study", str(tmp_path / "study.toml"), "--output", str(tmp_path / "out")]) == 2
+    printed = capsys.readouterr().err
+    assert sentence in printed and "study.toml:2:" in printed, printed
+
+
+def write(path, text):
+    path.write_text(text)
+    return path

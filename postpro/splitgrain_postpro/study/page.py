@@ -18,6 +18,7 @@ p { max-width: 46rem; } .quiet { color: #555; font-size: .875rem; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 22rem), 1fr)); gap: .8rem; }
 figure { margin: 0; max-width: 34rem; } img { width: 100%; height: auto; display: block; }
 .wide { overflow-x: auto; max-height: 32rem; border: 1px solid #ddd; }
+label { display: inline-block; margin-right: .6rem; }
 table { border-collapse: collapse; font-size: .875rem; font-variant-numeric: tabular-nums; white-space: nowrap; }
 th, td { padding: .2rem .6rem; text-align: right; border-bottom: 1px solid #eee; }
 th { background: #f3f5f7; position: sticky; top: 0; } .words { text-align: left; }
