@@ -1,6 +1,13 @@
 # Version, commit, compiler and flags, as a Fortran module made anew when the commit changes.
 execute_process(COMMAND git describe --always --dirty --abbrev=10 WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
                 OUTPUT_VARIABLE splitgrain_commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+# In a container there may be no git, or one that does not trust the folder: the last line of its log has the commit as well.
+if(NOT splitgrain_commit AND EXISTS ${PROJECT_SOURCE_DIR}/.git/logs/HEAD)
+  file(READ ${PROJECT_SOURCE_DIR}/.git/logs/HEAD splitgrain_log)
+  if(splitgrain_log MATCHES "(^|\n)[0-9a-f]+ ([0-9a-f]+) [^\n]*\n*$")
+    string(SUBSTRING ${CMAKE_MATCH_2} 0 10 splitgrain_commit)
+  endif()
+endif()
 if(NOT splitgrain_commit)
   set(splitgrain_commit "unknown")
 endif()

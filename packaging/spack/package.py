@@ -2,6 +2,11 @@
 
 from spack.package import *
 
+try:  # Spack 1.0 and later; before, spack.package has it
+    from spack_repo.builtin.build_systems.cmake import CMakePackage
+except ImportError:
+    pass
+
 
 class Splitgrain(CMakePackage):
     """Nonsmooth contact dynamics of rigid grains with domain decomposition."""
