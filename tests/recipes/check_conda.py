@@ -4,7 +4,7 @@
 usage: check_conda.py PROGRAM FOLDER
 
 A stand-in has the name and a version of a package, and brings what this machine has: compilers, CMake and ninja. The recipe is solved, its
-script is run, with PROGRAM in place of compiling anew, the package is made, and its tests are run from an environment of its own. What this
+script is run, with PROGRAM in place of a compilation, the package is made, and its tests are run from an environment of its own. What this
 cannot show is whether conda-forge has these packages and whether the program links with them.
 """
 
