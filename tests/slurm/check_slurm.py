@@ -88,6 +88,12 @@ class Slurm:
         time.sleep(1)
 
     def stop(self):
+        # Steps of jobs outlive slurmd.
+        numbers = output("squeue", "-h", "-o", "%A").split()
+        if numbers:
+            subprocess.run(["scancel", "--signal=KILL", "--full", *numbers], check=False)
+            subprocess.run(["scancel", *numbers], check=False)
+            time.sleep(3)
         for process in reversed(self.started):
             process.terminate()
             try:
@@ -114,7 +120,7 @@ def submit(program, place, ranks, steps, walltime):
     """Submit the job script for two seeds; returns when no job is left. Jobs that wait after their requeue are let go at once."""
     deck = place / "deck.toml"
     deck.write_text(DECK.replace("steps = 4000", f"steps = {steps}"))
-    words = ["sbatch", "--parsable", "--array=1-2%1", f"--ntasks={ranks}", "--time=2", f"--export=ALL,DECK={deck},PROGRAM={program},WALLTIME={walltime}"]
+    words = ["sbatch", "--parsable", "--array=1-2%1", f"--ntasks={ranks}", "--time=10", f"--export=ALL,DECK={deck},PROGRAM={program},WALLTIME={walltime}"]
     done = subprocess.run([*words, str(SCRIPT)], cwd=place, capture_output=True, text=True, check=True)
     number = done.stdout.strip()
     since = {}
@@ -130,14 +136,24 @@ def submit(program, place, ranks, steps, walltime):
                 subprocess.run(["scontrol", "update", f"JobId={job}", "StartTime=now"], check=False, capture_output=True)
         return not output("squeue", "-h")
 
-    wait(is_over, 300, f"job {number}")
+    wait(is_over, 600, f"job {number}")
+
+
+def slice_of(program, place, ranks, steps):
+    """Seconds that a run may take until it stops, a third of all its steps by the pace of the first tenth: on a machine at work longer."""
+    deck = place / "pace.toml"
+    deck.write_text(DECK.replace("steps = 4000", f"steps = {steps // 10}"))
+    start = time.monotonic()
+    subprocess.run(["mpiexec", "--oversubscribe", "-n", str(ranks), program, "run", str(deck), "--output", str(place / "pace"), "--quiet"], check=True)
+    return max(4, round((time.monotonic() - start) * 10 / 3))
 
 
 def main(program, place):
     """Two seeds stop and go on until they are done, then go on to more steps on another number of ranks."""
     slurm = Slurm(place)
     try:
-        submit(program, place, ranks=2, steps=2500, walltime="0:04")
+        seconds = slice_of(program, place, ranks=2, steps=2500)
+        submit(program, place, ranks=2, steps=2500, walltime=f"0:{seconds // 60}:{seconds % 60:02}")
         logs = "".join(path.read_text() for path in place.glob("slurm-*.out"))
         for seed in (1, 2):
             check(place / f"seed_{seed}", 2500, 2)
