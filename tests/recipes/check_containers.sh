@@ -21,7 +21,8 @@ if ! build_images inspect --type image docker.io/library/debian:12 >/dev/null 2>
 fi
 rm -rf "$folder/source"
 git clone -q "$top" "$folder/source"
-"$spython" recipe --parser singularity --writer docker "$top/packaging/splitgrain.def" >"$folder/definition"
+# spython leaves out a word that HEALTHCHECK needs.
+"$spython" recipe --parser singularity --writer docker "$top/packaging/splitgrain.def" | sed 's/^HEALTHCHECK /HEALTHCHECK CMD /' >"$folder/definition"
 cp "$top/Dockerfile" "$folder/dockerfile"
 for recipe in ${3:-dockerfile definition}; do
   build_images bud -q --isolation chroot --pull=never -f "$folder/$recipe" -t "splitgrain-$recipe" "$folder/source"
