@@ -54,18 +54,32 @@ def write_pages(pages, has_fortran):
         page.write_text(page.read_text().replace("](../../input_decks", "](../input_decks").replace("](../../README.md", "](../index.md"))
     decks = pages / "input_decks/README.md"
     decks.write_text(re.sub(r'(\]\(|src=")\.\./doc/', r"\1../", decks.read_text()).replace("](../README.md", "](../index.md"))
-    (pages / "gallery.md").write_text(gallery())
+    if (pages.parent / "gallery").is_dir():
+        shutil.copytree(pages.parent / "gallery", pages / "gallery")
+    (pages / "gallery.md").write_text(gallery(pages))
     (pages / "python_api.md").write_text(python_api())
     if has_fortran:
         text = '# Fortran API\n\n<a href="fortran/index.html">Modules, types and procedures of the sources</a>, made by FORD.\n'
         (pages / "fortran_api.md").write_text(text)
 
 
-def gallery():
-    """All pictures; decks have a page of their own."""
-    lines = ["# Gallery", "", "[Decks](input_decks/README.md), with their times and what to expect of them.", ""]
+def gallery(pages):
+    """All decks with a picture of their start, as far as one was drawn, and their first sentence; then the pictures of the other pages."""
+    lines = ["# Gallery", "", "## Decks", "", "[All decks](input_decks/README.md), with their times and what to expect of them.", "",
+             "| start | deck |", "| --- | --- |"]
+    for deck in sorted((TOP / "input_decks").rglob("*.toml")):
+        comment = []
+        for line in deck.read_text().splitlines():
+            if not line.startswith("#"):
+                break
+            comment.append(line.lstrip("# "))
+        name = deck.relative_to(TOP)
+        picture = (Path("gallery") / name.relative_to("input_decks")).with_suffix(".png")
+        shown = f"![Start of {deck.stem}]({picture}){{ loading=lazy style='min-width:11rem' }}" if (pages / picture).exists() else ""
+        lines.append(f"| {shown} | [{name.relative_to('input_decks')}]({name})<br>{' '.join(comment).replace('|', '/')} |")
+    lines += ["", "## Pictures of other pages", ""]
     for picture in sorted([*(TOP / "doc/images").glob("*.png"), *(TOP / "doc/images").glob("*.webp")]):
-        lines += [f"![{picture.stem.replace('_', ' ')}](images/{picture.name})", ""]
+        lines += [f"![{picture.stem.replace('_', ' ')}](images/{picture.name}){{ loading=lazy }}", ""]
     return "\n".join(lines) + "\n"
 
 
@@ -96,6 +110,17 @@ def _document(node):
     """A docstring as text; what is indented stays code."""
     text = ast.get_docstring(node) or ""
     return [text, ""] if text else []
+
+
+def make_offline(site):
+    """Scripts that pages would fetch from elsewhere: that of the search is one of ours, the others are for old browsers or are there twice."""
+    shutil.copy(Path(__file__).with_name("frame_worker.js"), site / "assets")
+    for path in site.rglob("*.html"):
+        text = path.read_text(errors="replace")
+        ours = f'"{os.path.relpath(site / "assets/frame_worker.js", path.parent)}"'
+        offline = re.sub(r'<script src="https?://[^"]*"></script>\s*', "", text.replace('"https://unpkg.com/iframe-worker/shim"', ours))
+        if offline != text:
+            path.write_text(offline)
 
 
 class Links(HTMLParser):
@@ -145,6 +170,7 @@ def main(folder, *words):
     if has_fortran:
         (folder / "ford.md").write_text(FORD.format(top=TOP, folder=folder))
         subprocess.run([tools / "ford", "--quiet", folder / "ford.md"], check=True)
+    make_offline(folder / "site")
     dead, count = dead_links(folder / "site")
     for line in dead:
         print(f"dead link: {line}")
