@@ -163,8 +163,8 @@ contains
     is_slow = 2*real(substeps, wp)*sqrt(way(1)**2 + way(2)**2 + way(3)**2) <= kept_length(scene, c, a)
   end function is_slow
 
-  !> Add the contacts that a pair had in the last detection, where its shapes are now; if they are kept, as far as is looked now, and
-  !! the pair has hardly moved since they were found.
+  !> Add the contacts that a pair had in the last detection, where its shapes are now; if they are kept, as far as is looked
+  !! now, and the pair has hardly moved since they were found.
   subroutine add_kept(scene, pairs, history, p, contacts, is_kept)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours

@@ -48,7 +48,7 @@ module sg_neighbours
     !> How much nearer two shapes may come to each other until the next detection, and for which such ways the list holds all that
     !! may be wanted, where alert distances follow the motion [m]
     real(wp) :: way = huge(1.0_wp)/4, listed_way = huge(1.0_wp)/4
-    !> Alert distance of each line of the scene's see tables in the last detection [m]; is it reduced, for a solve that is looked at?
+    !> Alert distance of each line of the scene's see tables in the last detection [m]; is it reduced until the solve shows more?
     real(wp), allocatable :: alert(:)
     logical :: is_reduced = .false.
     !> Substeps from one detection to the next
