@@ -43,13 +43,19 @@ contains
   subroutine advance(sim, error)
     type(simulation_t), intent(inout) :: sim !! moved on by a step
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when a value is not finite, or memory or time is short
+    type(report_t) :: first
 
     if (sim%scene%bodies%has_presence) call timed(change_presence, sim, phase_predict, error)
     do
       call timed(predict_bodies, sim, phase_predict, error)
       sim%pairs%is_reduced = can_look_again(sim)
-      call solve_contacts(sim, error)
-      if (must_look_again(sim, error)) call solve_again(sim, error)
+      first = report_t()
+      do
+        call timed(find_contacts, sim, phase_detect, error)
+        call timed(assemble_problem, sim, phase_assemble, error)
+        call timed(solve_problem, sim, phase_solve, error)
+        if (.not. must_look_again(sim, first, error)) exit
+      end do
       call timed(update_bodies, sim, phase_update, error)
       if (allocated(error) .or. sim%substep == 1) exit
       ! What concerns the solve of one substep cannot wait for the end of the step.
@@ -61,16 +67,6 @@ contains
     if (sim%options%recovery > 0) call timed(push_bodies, sim, phase_solve, error)
   end subroutine advance
 
-  !> Contacts of the substep, their problem, and its solution.
-  subroutine solve_contacts(sim, error)
-    type(simulation_t), intent(inout) :: sim
-    type(error_t), allocatable, intent(inout) :: error
-
-    call timed(find_contacts, sim, phase_detect, error)
-    call timed(assemble_problem, sim, phase_assemble, error)
-    call timed(solve_problem, sim, phase_solve, error)
-  end subroutine solve_contacts
-
   !> May contacts be sought up to a reduced alert distance, and the step be solved again where that was too short? Where a solve
   !! leaves nothing behind but its solution.
   pure logical function can_look_again(sim)
@@ -81,35 +77,28 @@ contains
                      sim%contacts%n_carried == 0
   end function can_look_again
 
-  !> Has the solution moved shapes farther than contacts were sought, and would more have been sought without a reduction?
-  !! Collective.
-  logical function must_look_again(sim, error)
+  !> Has the solution moved shapes farther than contacts were sought, and would more have been sought without a reduction? Then
+  !! the step is solved again, and the effort of both solves is that of the step. Collective.
+  logical function must_look_again(sim, first, error)
     type(simulation_t), intent(inout) :: sim
+    type(report_t), intent(inout) :: first !! effort of the solve before, zero for none
     type(error_t), allocatable, intent(in) :: error
     real(wp) :: way
 
     must_look_again = .false.
+    call add_effort(first, sim%report)
     if (allocated(error) .or. .not. sim%pairs%is_reduced .or. sim%dump%is_begun) return
     way = way_of_solution(sim%scene, sim%problem, sim%pairs%slot_of, sim%options%time_step)
     call sim%comm%maximum(way)
     associate (alert => sim%pairs%alert)
       must_look_again = any(way > alert .and. alert < alert_of(sim%scene%sees, sim%pairs%way))
     end associate
-    if (must_look_again) sim%pairs%way = max(sim%pairs%way, way)
-  end function must_look_again
-
-  !> Solve the step once more, with all contacts up to the whole alert distance; the effort of both solves is that of the step.
-  subroutine solve_again(sim, error)
-    type(simulation_t), intent(inout) :: sim
-    type(error_t), allocatable, intent(inout) :: error
-    type(report_t) :: first
-
-    first = sim%report
+    if (.not. must_look_again) return
+    sim%pairs%way = max(sim%pairs%way, way)
     sim%pairs%is_reduced = .false.
-    call solve_contacts(sim, error)
-    call add_effort(first, sim%report)
     sim%totals%repeated_steps = sim%totals%repeated_steps + 1
-  end subroutine solve_again
+    first = sim%report
+  end function must_look_again
 
   !> Let bodies in and out whose time or place it is. The list of neighbours is then made again, on all ranks.
   subroutine change_presence(sim, error)
