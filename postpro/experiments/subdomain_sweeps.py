@@ -5,7 +5,7 @@ usage: PYTHONPATH=postpro python3 -P postpro/experiments/subdomain_sweeps.py STU
 STUDY is the folder that `splitgrain study` makes of input_decks/studies/subdomain_sweeps.toml, subdomain_sweeps_few.toml or
 sweeps_needed.toml. Prints one line per run: the largest volume error below sleepers 3 and 4 and below any, over the recorded steps of
 the stage in which tines plunge, and the mean coordination below 3 and 4 in it, with the change against the first run, the one with
-most sweeps. Draws both in time into PNG. A cold run starts each step from impulses of zero, the others from those of the step before.
+most sweeps. Draws both in time into PNG, dashed the warm runs of a study of both. A cold run starts each step from impulses of zero, the others from those of the step before.
 """
 
 import sys
@@ -63,18 +63,20 @@ def draw(runs, output):
     """Volume error and coordination below each of the two sleepers against time, a line per run."""
     figure = new_figure(9, 6)
     axes = figure.subplots(2, 2, sharex=True, sharey="row")
-    for i, (sweeps, start, regions) in enumerate(runs):
-        label = " ".join(map(str, sweeps)) + (", cold" if start == "cold" else "")
+    tables = list(dict.fromkeys(tuple(run[0]) for run in runs))
+    for sweeps, start, regions in runs:
+        look = {"color": f"C{tables.index(tuple(sweeps))}", "linestyle": "-" if start == runs[-1][1] else "--"}
+        label = " ".join(map(str, sweeps)) if start == runs[-1][1] else None
         for name, (upper, lower) in zip(SLEEPERS, axes.T):
             time = regions[name]["time"]
-            upper.plot(time, 100 * regions[name]["volume_error"], color=f"C{i}", label=label)
-            lower.plot(time, regions[name]["coordination"], color=f"C{i}")
+            upper.plot(time, 100 * regions[name]["volume_error"], **look, label=label)
+            lower.plot(time, regions[name]["coordination"], **look)
     for number, (upper, lower) in zip((3, 4), axes.T):
         upper.set(title=f"sleeper {number}")
         lower.set(xlabel="time [s]")
     axes[0, 0].set(ylabel="volume error [%]")
     axes[1, 0].set(ylabel="coordination")
-    axes[0, 0].legend(title="sweeps per subdomain", fontsize=8)
+    axes[0, 0].legend(title="sweeps per subdomain" + ("; dashed: warm" if len(runs) > len(tables) else ""), fontsize=8)
     figure.savefig(output, dpi=110)
 
 
