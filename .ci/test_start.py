@@ -1,0 +1,73 @@
+"""`start` on a machine without packages for Python: help installs nothing, and an apt-get that is locked is waited for."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TOP = Path(__file__).resolve().parents[1]
+# Says that it is locked as long as there is a mark less than in LOCKED, then that it did its work.
+APT = """#!/bin/sh
+echo "$@" >>"$MARKS/apt"
+[ "$(wc -l <"$MARKS/apt")" -gt "$LOCKED" ] || { echo 'E: Could not get lock /var/lib/apt/lists/lock. It is held by process 1'; exit 100; }
+[ "$ENDS" -eq 0 ] || echo 'E: Unable to fetch some archives'
+exit "$ENDS"
+"""
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Runs `start` with a Python that has the standard library alone, an apt-get that only leaves marks, and a sleep that takes no time."""
+    (tmp_path / "bin").mkdir()
+    programs = {"python3": f'#!/bin/sh\nexec "{sys.executable}" -S "$@"\n', "apt-get": APT, "dpkg-query": "#!/bin/sh\nexit 1\n",
+                "sleep": '#!/bin/sh\necho "$1" >>"$MARKS/sleep"\n'}
+    for name, text in programs.items():
+        (tmp_path / "bin" / name).write_text(text)
+        (tmp_path / "bin" / name).chmod(0o755)
+    (tmp_path / "start").write_text((TOP / "start").read_text().replace("/usr/bin/python3", str(tmp_path / "bin/python3")))
+    (tmp_path / "postpro").symlink_to(TOP / "postpro")
+
+    def run(*words, locked=0, ends=0):
+        environment = {**os.environ, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}", "MARKS": str(tmp_path), "LOCKED": str(locked), "ENDS": str(ends)}
+        environment.pop("PYTHONPATH", None)
+        done = subprocess.run(["sh", tmp_path / "start", *words], capture_output=True, text=True, env=environment, timeout=60)
+        marks = {name: (tmp_path / name).read_text().splitlines() if (tmp_path / name).exists() else [] for name in ("apt", "sleep")}
+        return done, marks
+
+    return run
+
+
+needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="without root packages are installed by sudo")
+
+
+@pytest.mark.parametrize("words", [["look", "--help"], ["look", "scene", "-h"], ["look"], ["help"], ["--help"]])
+def test_help_installs_nothing(start, words):
+    done, marks = start(*words)
+    assert not marks["apt"]
+    assert "usage:" in done.stdout + done.stderr or "./start look" in done.stdout
+    assert done.returncode == (2 if words == ["look"] else 0)
+
+
+@needs_root
+def test_a_locked_apt_is_waited_for(start):
+    done, marks = start("look", "scene", "nowhere", locked=3)
+    # Three calls find the lock, one refreshes the lists, one installs; the fake installs nothing, which is then reported.
+    assert len(marks["apt"]) == 5 and marks["sleep"] == ["5"] * 3
+    assert "update" in marks["apt"][0] and "install" in marks["apt"][4]
+    assert done.stderr.count("another apt-get is at work") == 1 and done.returncode != 0
+
+
+@needs_root
+def test_another_failure_of_apt_is_not_waited_for(start):
+    done, marks = start("look", "scene", "nowhere", ends=1)
+    assert len(marks["apt"]) == 2 and not marks["sleep"]
+    assert "Unable to fetch some archives" in done.stderr and "apt-get could not install" in done.stderr and done.returncode != 0
+
+
+@needs_root
+def test_waiting_ends_after_five_minutes(start):
+    done, marks = start("look", "scene", "nowhere", locked=1000)
+    assert "Could not get lock" in done.stderr and done.returncode != 0
+    assert len(marks["sleep"]) == 2 * 300 // 5
