@@ -561,3 +561,16 @@ def test_folder_that_cannot_be_written(tmp_path, capsys):
     code, _ = done(tmp_path, written(tmp_path, GOOD))
     printed = capsys.readouterr().err
     assert code == 5 and "cannot write" in printed and printed.count("\n") == 1
+
+
+@with_program
+@pytest.mark.parametrize(("steps", "has_profile"), [([4, 5], False), ([3, 4, 5], True)])
+def test_profiles_need_three_cases(tmp_path, steps, has_profile):
+    if not re.search(r"^HDF5\s+on", subprocess.run([PROGRAM, "--version"], capture_output=True, text=True).stdout, re.M):
+        pytest.skip("the program is built without HDF5")
+    text = STONES.replace("[1e-2, 1e-6]", "[1e-2]").replace("dump = 5", f"dump = {steps}").replace("[reference]\ntolerance = 1e-11\n", "")
+    code, out = done(tmp_path, written(tmp_path, text))
+    page = (out / "study.html").read_text()
+    assert code == 0 and len({row["case"] for row in rows_of(out)}) == len(steps)
+    assert ("Performance profile" in page, "Shares of problems solved" in page) == (has_profile, not has_profile)
+    assert bool(list(out.glob("profile-*"))) == has_profile
