@@ -10,7 +10,7 @@ module sg_help
   character(len=*), parameter :: command_names = &
     'run check reference convert bench partition solve spectrum study look movie convex'
   character(len=*), parameter :: look_names = &
-    'summary scene movie page thrust split energy solver trace spectrum tracks walls field structure'
+    'summary scene movie page thrust split energy solver trace spectrum tracks walls regions field structure'
 
 contains
 
