@@ -82,14 +82,8 @@ SCENES = {
 class RoundTrips(ProgramCase):
     def run_deck(self, deck, output, *words, ranks=1):
         """Run a deck, and give the state at its end as text."""
-        launch = [] if ranks == 1 else [self.launcher, "--oversubscribe", "-n", ranks]
         words = ["run", deck, "--quiet", "--output", output, "--set", f"restart.every={STEPS // 2}", *words]
-        if launch:
-            program, self.program = self.program, launch[0]
-            self.run_program(*launch[1:], program, *words)
-            self.program = program
-        else:
-            self.run_program(*words)
+        self.run_program(*words, ranks=ranks)
         return self.state(deck, output)
 
     def state(self, deck, output):
