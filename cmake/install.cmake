@@ -6,7 +6,7 @@ if(SKBUILD)
   return()
 endif()
 install(DIRECTORY postpro/splitgrain_postpro postpro/splitgrain DESTINATION ${CMAKE_INSTALL_DATADIR}/splitgrain/postpro
-        FILES_MATCHING PATTERN "*.py" PATTERN "*.html" PATTERN "__pycache__" EXCLUDE)
+        FILES_MATCHING PATTERN "*.py" PATTERN "*.html" PATTERN "vendor/*" PATTERN "__pycache__" EXCLUDE)
 # Pages lead to decks and sources by the folders of the project: decks lie beside them, by a link.
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN site EXCLUDE)

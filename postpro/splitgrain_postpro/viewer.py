@@ -3,6 +3,7 @@
 import base64
 import html
 import json
+import re
 from argparse import Namespace
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,8 @@ from .results import Results
 from .vtkhdf import VTK_POLYGON, VTK_VERTEX, Grid
 
 TEMPLATE = Path(__file__).with_name("viewer.html")
+# three.js with its licence: vendor/README.md.
+LIBRARY = Path(__file__).parent / "vendor/three.min.js"
 # Shapes of walls in space: lines, that hide no grain.
 LINES = ("plane", "hollow cylinder")
 FLAT_WALLS = ("segment", "hollow disk")
@@ -34,8 +37,9 @@ def write_page(results: Results, options: Namespace) -> str:
     content = page_data(results, options.pictures)
     # A script element ends with the first "</": there is none in JSON without a slash after "<".
     text = json.dumps(content, separators=(",", ":")).replace("</", "<\\/")
-    page = TEMPLATE.read_text().replace("TITLE", html.escape(results.name)).replace("DATA", text, 1)
-    path.write_text(page)
+    parts = {"TITLE": html.escape(results.name), "LIBRARY": LIBRARY.read_text("utf-8"), "DATA": text}
+    page = re.sub("|".join(parts), lambda word: parts[word[0]], TEMPLATE.read_text("utf-8"))
+    path.write_text(page, "utf-8")
     return f"wrote {path}: {len(content['times'])} pictures of {len(content['grains'])} bodies, {len(page) / 1e6:.1f} MB"
 
 

@@ -1,6 +1,7 @@
 """The page of a run: its meshes and places are those of the pictures, its record is whole, and it asks for nothing outside."""
 
 import base64
+import hashlib
 import json
 import os
 import re
@@ -13,9 +14,11 @@ from sample_space import write_space_results
 import splitgrain as sg
 from splitgrain_postpro import Results, ResultsError
 from splitgrain_postpro.cli import main
-from splitgrain_postpro.viewer import page_data
+from splitgrain_postpro.viewer import LIBRARY, page_data
 
 TOP = Path(__file__).parents[2]
+# Name of a language, not an address.
+XHTML = "http://www.w3.org/1999/xhtml"
 needs_program = pytest.mark.skipif("SPLITGRAIN_PROGRAM" not in os.environ, reason="no SPLITGRAIN_PROGRAM")
 
 
@@ -51,11 +54,23 @@ def test_page_is_one_file_that_asks_for_nothing(folder, capsys):
     assert main(["page", str(folder)]) == 0
     page = (folder / "page.html").read_text()
     assert "2 pictures of 10 bodies" in capsys.readouterr().out
+    # The library is there once, whole; addresses in it are names of XML only, never asked for: tests/pages looks at that in a browser.
+    library = LIBRARY.read_text("utf-8")
+    assert page.count(library) == 1 and "</script" not in library and set(re.findall(r"https?://[^\"]*", library)) <= {XHTML}
+    page = page.replace(library, "")
     assert "http" not in page and "src=" not in page and "a &lt;run&gt;" in page and "<run>" not in page
     data = json.loads(re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.DOTALL)[1])
     record = Results(folder).record
     assert data["record"]["kinetic_energy"] == pytest.approx(record["kinetic_energy"], rel=1e-5) and len(data["times"]) == 2
-    assert page.count("TITLE") == 0
+    assert page.count("TITLE") == 0 and page.count("LIBRARY") == 0
+
+
+def test_library_is_the_one_described_with_its_licence():
+    described = (LIBRARY.parent / "README.md").read_text("utf-8")
+    assert hashlib.sha256(LIBRARY.read_bytes()).hexdigest() in described
+    version = re.search(r"npm install three@([\d.]+) ", described)[1]
+    library = LIBRARY.read_text("utf-8")
+    assert library.startswith(f"/*! three.js {version}\nThe MIT License\n") and (LIBRARY.parent / "three.LICENSE").read_text("utf-8") in library
 
 
 def test_pictures_are_thinned_and_needed(folder, tmp_path):

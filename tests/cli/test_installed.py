@@ -89,6 +89,11 @@ class Installed(ProgramCase):
         done = self.start("splitgrain", "movie", "ball.results", "--output", "ball.gif", "--size", "100")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((self.place / "ball.gif").read_bytes()[:3], b"GIF")
+        done = self.start("splitgrain", "look", "page", "ball.results")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("three.js authors", (self.place / "ball.results/page.html").read_text("utf-8"))
+        licence = "share/splitgrain/postpro/splitgrain_postpro/vendor/three.LICENSE"
+        self.assertIn("The MIT License", (self.prefix / licence).read_text("utf-8"))
         self.assertIn("Draw here", self.start("splitgrain", "look", "-h", "summary").stdout)
         self.assertIn("nowhere.toml", self.start("splitgrain", "study", "nowhere.toml").stderr)
 

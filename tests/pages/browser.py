@@ -96,6 +96,15 @@ class Browser:
             raise RuntimeError(answer["exceptionDetails"]["text"])
         return answer["result"].get("value")
 
+    def drag(self, x, y, to_x, to_y):
+        """Press the left button of the mouse at a place, move to another, and let go."""
+        for kind, place, held in (("mousePressed", (x, y), 1), ("mouseMoved", (to_x, to_y), 1), ("mouseReleased", (to_x, to_y), 0)):
+            self.ask("Input.dispatchMouseEvent", type=kind, x=place[0], y=place[1], button="left", buttons=held, clickCount=1)
+
+    def wheel(self, x, y, turn):
+        """Turn the wheel of the mouse at a place."""
+        self.ask("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=turn)
+
     def picture(self, path):
         """Write the whole page as PNG."""
         data = self.ask("Page.captureScreenshot", captureBeyondViewport=True)["data"]

@@ -102,7 +102,7 @@ def mistakes_of_scene(browser):
     browser.value("document.getElementById('slider').value = 0, document.getElementById('slider').oninput({target: {value: '0'}}), 1")
     if browser.value("window.lookAt(0)")["sum"] != first["sum"]:
         found.append("shows another first picture after the slider")
-    return found + mistakes_of_presence(browser) + mistakes_of_cell(browser)
+    return found + mistakes_of_presence(browser) + mistakes_of_cell(browser) + mistakes_of_mouse(browser)
 
 
 def mistakes_of_presence(browser):
@@ -136,6 +136,25 @@ def mistakes_of_cell(browser):
         found.append(f"covers {seen['rim']:.3f} of the rim of the cell and {seen['within']:.3f} of its inside")
     if seen["beyond"] > 0.01:
         found.append(f"covers {seen['beyond']:.3f} of what is beyond the cell")
+    return found
+
+
+def mistakes_of_mouse(browser):
+    """What is wrong with dragging and the wheel: a scene in space turns, one in the plane moves as the mouse does, both come nearer."""
+    x, y, in_space = browser.value("(r => [r.left + r.width / 2, r.top + r.height / 2, data.in_space])(canvas.getBoundingClientRect())")
+    start = browser.value("window.lookAt(1e9)")["sum"]
+    browser.drag(x, y, x + 40, y + 20)
+    turned = browser.value("[window.lookAt(1e9).sum, camera.position.x, camera.position.y, ...controls.target.toArray()]")
+    found = [] if turned[0] != start else ["shows the same after the mouse was dragged"]
+    if in_space and any(turned[3:]):
+        found.append("does not turn about the middle")
+    # In the plane the point under the mouse stays there.
+    width = browser.value("(camera.right - camera.left) / canvas.clientWidth")
+    if not in_space and max(abs(turned[1] + 40 * width), abs(turned[2] - 20 * width)) > 1e-6 * width * 40:
+        found.append(f"moves by {turned[1] / width:.2f} and {turned[2] / width:.2f} pixels")
+    browser.wheel(x, y, -120)
+    if not browser.value("camera.zoom") > 1 or browser.value("window.lookAt(1e9)")["sum"] == turned[0]:
+        found.append("does not come nearer with the wheel")
     return found
 
 

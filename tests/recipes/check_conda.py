@@ -23,7 +23,8 @@ COMPILERS = {"c": "gcc", "cxx": "gxx", "fortran": "gfortran"}
 TOOLS = ("cmake", "ninja")
 # What the package must hold besides the program.
 WANTED = ("bin/splitgrain", "share/man/man1/splitgrain.1", "share/bash-completion/completions/splitgrain",
-          "share/splitgrain/postpro/splitgrain_postpro/viewer.html", "share/splitgrain/input_decks/sliding_block.toml")  # fmt: skip
+          "share/splitgrain/postpro/splitgrain_postpro/viewer.html",
+          "share/splitgrain/postpro/splitgrain_postpro/vendor/three.min.js", "share/splitgrain/input_decks/sliding_block.toml")  # fmt: skip
 
 
 def requirements():

@@ -49,6 +49,8 @@ def main(venv):
     assert printed.stderr == "", printed.stderr
     subprocess.run([command, "look", "scene", "ball.results"], check=True)
     assert Path("ball.results/scene.png").read_bytes()[:4] == b"\x89PNG"
+    subprocess.run([command, "look", "page", "ball.results"], check=True)
+    assert "three.js authors" in Path("ball.results/page.html").read_text("utf-8")
     run = sg.Run("ball.results")
     assert isinstance(run.record, pandas.DataFrame) and run.record.index.name == "step"
     assert isinstance(run.field(), xarray.Dataset) and run.field()["density"].dims == ("time", "x", "y", "z")
