@@ -10,8 +10,8 @@
 !!                                                         place, turn
 !!
 !! where a turn is a cosine and a sine in the plane and a quaternion in space, and the reach is the alert distance up to which all
-!! points of the pair are kept. Columns go with their contacts into checkpoints and
-!! messages, so that a run that goes on from there keeps what the other would have kept.
+!! points of the pair are kept. Columns go with their contacts into checkpoints and messages, so that a run that goes on from there
+!! keeps what the other would have kept.
 module sg_kept_contacts
   use sg_contactors, only: contactors_t, kind_polygon, kind_segment
   use sg_follow, only: follow_in_plane, follow_in_space

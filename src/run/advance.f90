@@ -30,9 +30,9 @@ module sg_advance
   use sg_timed, only: timed
   use sg_text, only: to_text
   use sg_totals, only: phase_assemble, phase_detect, phase_measure, phase_predict, phase_solve, phase_update
-  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls, warn_of_tunnelling, way_of_solution
+  use sg_tunnelling, only: find_crossed_contacts, find_crossed_walls, warn_of_tunnelling
   use sg_update_problem, only: can_update, take_impulses, update_problem
-  use sg_way_of_step, only: way_of_step
+  use sg_way_of_step, only: way_of_solution, way_of_step
   implicit none
   private
   public :: advance
@@ -87,8 +87,8 @@ contains
 
     must_look_again = .false.
     call add_effort(first, sim%report)
-    if (allocated(error) .or. .not. sim%pairs%is_reduced .or. sim%dump%is_begun) return
-    way = way_of_solution(sim%scene, sim%problem, sim%pairs%slot_of, sim%options%time_step)
+    if (allocated(error) .or. .not. (sim%pairs%is_reduced .and. sim%report%is_finite)) return
+    way = way_of_solution(sim%scene, sim%problem%body, sim%pairs%slot_of, .not. sim%plan%is_round, sim%options%time_step)
     call sim%comm%maximum(way)
     associate (alert => sim%pairs%alert)
       must_look_again = any(way > alert .and. alert < alert_of(sim%scene%sees, sim%pairs%way))
@@ -96,6 +96,8 @@ contains
     if (.not. must_look_again) return
     sim%pairs%way = max(sim%pairs%way, way)
     sim%pairs%is_reduced = .false.
+    ! A dump of the problem that was too small is begun anew with the next.
+    sim%dump%is_begun = .false.
     sim%totals%repeated_steps = sim%totals%repeated_steps + 1
     first = sim%report
   end function must_look_again

@@ -12,7 +12,6 @@
 module sg_tunnelling
   use sg_bodies, only: body_present
   use sg_comm, only: comm_t
-  use sg_contactors, only: kind_point
   use sg_contacts, only: contacts_t
   use sg_error, only: error_t, fail
   use sg_guard, only: number_of
@@ -20,16 +19,12 @@ module sg_tunnelling
   use sg_kinds, only: wp, i4
   use sg_lists, only: reserve
   use sg_plan, only: plan_t
-  use sg_problem, only: problem_t
-  use sg_records, only: arm_frictional, arm_frictionless, arm_spin, plain_kind, solid_frictional, solid_frictionless, &
-                        solid_spin_x, solid_spin_z, velocity_x
   use sg_scene, only: scene_t
   use sg_swept_shapes, only: goes_through
   use sg_text, only: to_text
-  use sg_way_of_step, only: farthest_arm
   implicit none
   private
-  public :: tunnelling_t, find_crossed_contacts, find_crossed_walls, warn_of_tunnelling, way_of_solution
+  public :: tunnelling_t, find_crossed_contacts, find_crossed_walls, warn_of_tunnelling
 
   !> Tunnelling of the present step
   type :: tunnelling_t
@@ -84,42 +79,6 @@ contains
       end associate
     end do
   end subroutine find_crossed_contacts
-
-  !> How much nearer two shapes may come to each other in a step by the solution of its problem [m]: twice what the fastest point
-  !! moves (compare sg_way_of_step).
-  pure real(wp) function way_of_solution(scene, problem, slot_of, h) result(way)
-    type(scene_t), intent(in) :: scene !! scene without a periodic cell
-    type(problem_t), intent(in) :: problem !! its problem, solved
-    integer(i4), intent(in) :: slot_of(:) !! slot of each body
-    real(wp), intent(in) :: h !! length of the step [s]
-    real(wp) :: square, arm, fastest
-    integer :: c, n, first, last
-
-    n = scene%dimension
-    ! Components of the spin; round shapes turn about their centres.
-    first = 1
-    last = 0
-    if (any(plain_kind(problem%kind) == [arm_frictional, arm_frictionless])) then
-      first = arm_spin
-      last = arm_spin
-    else if (any(plain_kind(problem%kind) == [solid_frictional, solid_frictionless])) then
-      first = solid_spin_x
-      last = solid_spin_z
-    end if
-    fastest = 0
-    do c = 1, scene%contactors%n
-      if (scene%contactors%kind(c) == kind_point) cycle
-      associate (s => slot_of(scene%contactors%body(c)))
-        square = sum(problem%body(velocity_x:velocity_x + n - 1, s)**2)
-        if (last > 0) then
-          arm = farthest_arm(scene%contactors, c)
-          if (arm > 0) square = (sqrt(square) + sqrt(sum(problem%body(first:last, s)**2))*arm)**2
-        end if
-      end associate
-      fastest = max(fastest, square)
-    end do
-    way = 2*h*sqrt(fastest)
-  end function way_of_solution
 
   !> Largest speed of all bodies [m/s]; where squares have no room, the largest component.
   pure real(wp) function largest_speed(velocity)

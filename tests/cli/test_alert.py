@@ -2,7 +2,6 @@
 """Contacts that the motion of a step cannot close are left out, from outside: the motion of the grains is the one with all of them,
 in the plane and in space, with substeps and on two ranks."""
 
-import csv
 import json
 import sys
 import unittest
@@ -12,16 +11,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "support"))
 from program_case import ProgramCase, take_program  # noqa: E402
 
-#: Grains without friction, whose velocities have one solution, fall into a box
-DECK = """
-[scene]
-dimension = {dimension}
-
-[time]
-step = 1e-3
-steps = 200
-substeps = {substeps}
-
+#: What all scenes have
+COMMON = """
 [solver]
 criterion = "e8"
 tolerance = 1e-11
@@ -39,7 +30,17 @@ friction = 0.0
 
 [[interaction]]
 {alert}
+"""
+#: Grains without friction, whose velocities have one solution, fall into a box
+DECK = """
+[scene]
+dimension = {dimension}
 
+[time]
+step = 1e-3
+steps = 200
+substeps = {substeps}
+""" + COMMON + """
 {walls}
 
 [[sample]]
@@ -68,24 +69,7 @@ gravity = [0.0, 0.0]
 [time]
 step = 1e-2
 steps = 8
-
-[solver]
-criterion = "e8"
-tolerance = 1e-10
-
-[output]
-record_every = 1
-
-[[material]]
-name = "stone"
-density = 2500.0
-
-[[law]]
-friction = 0.0
-
-[[interaction]]
-{alert}
-
+""" + COMMON + """
 [[body]]
 name = "plank"
 shape = "polygon"
@@ -115,19 +99,21 @@ position = [0.48, 0.0301]
 
 
 class Alert(ProgramCase):
-    def run_deck(self, keys, alert, substeps):
-        """Record and summary of a run, with an alert distance or with those that follow the motion."""
-        (self.place / "deck.toml").write_text(DECK.format(alert=alert, substeps=substeps, **keys))
-        self.run_program("run", "deck.toml", "--quiet", "--force", "--output", "out")
-        with (self.place / "out" / "record.csv").open() as file:
-            return list(csv.DictReader(file)), json.loads((self.place / "out" / "run.json").read_text())
+    def results_of(self, text, *words):
+        """Record and summary of a run."""
+        self.run_deck(text, *words)
+        return self.rows(), json.loads((self.place / "out" / "run.json").read_text())
+
+    def fall(self, keys, alert, substeps):
+        """Those of grains that fall, with an alert distance or with those that follow the motion."""
+        return self.results_of(DECK.format(alert=alert, substeps=substeps, **keys))
 
     def test_same_motion(self):
         """Grains move as they do with contacts of everything near; at first, when all is slow, few contacts are there."""
         for keys, substeps in ((PLANE, 1), (SPACE, 1), (PLANE, 3)):
             with self.subTest(dimension=keys["dimension"], substeps=substeps):
-                near, summary = self.run_deck(keys, "", substeps)
-                wide, _ = self.run_deck(keys, "alert = 0.04", substeps)
+                near, summary = self.fall(keys, "", substeps)
+                wide, _ = self.fall(keys, "alert = 0.04", substeps)
                 self.assertEqual(summary["fast_steps"], 0)
                 self.assertLess(int(near[0]["contacts"]), int(wide[0]["contacts"]) / 2)
                 self.assertLess(int(near[-1]["contacts"]), int(wide[-1]["contacts"]))
@@ -138,23 +124,20 @@ class Alert(ProgramCase):
 
     def test_solved_again(self):
         """A step whose solution is faster than was looked ahead is solved again, and misses nothing."""
-        results = []
-        for alert in ("", "alert = 0.04"):
-            (self.place / "lever.toml").write_text(LEVER.format(alert=alert))
-            self.run_program("run", "lever.toml", "--quiet", "--force", "--output", "out")
-            with (self.place / "out" / "record.csv").open() as file:
-                results.append((list(csv.DictReader(file)), json.loads((self.place / "out" / "run.json").read_text())))
-        (near, summary), (wide, whole) = results
+        near, summary = self.results_of(LEVER.format(alert=""))
+        wide, whole = self.results_of(LEVER.format(alert="alert = 0.04"))
         self.assertEqual(summary["repeated_steps"], 1)
         self.assertNotIn("repeated_steps", whole)
         self.assertEqual([int(row["active_contacts"]) for row in near], [int(row["active_contacts"]) for row in wide])
         self.assertEqual(max(int(row["active_contacts"]) for row in near), 2)
         for one, other in zip(near, wide):
             self.assertAlmostEqual(float(one["kinetic_energy"]) / float(other["kinetic_energy"]), 1, delta=1e-9)
+        if self.has_hdf5():
+            self.assertEqual(self.results_of(LEVER.format(alert=""), "--dump", "4")[0], near, "a dump changes nothing")
 
     def test_given(self):
         """An alert distance of the deck is that of all steps."""
-        first, _ = self.run_deck(PLANE, "alert = 0.04", 1)
+        first, _ = self.fall(PLANE, "alert = 0.04", 1)
         self.assertGreater(int(first[0]["contacts"]), 100)
 
 

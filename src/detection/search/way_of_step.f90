@@ -1,13 +1,13 @@
 !> How far shapes may move in a step, which decides how far apart contacts are sought (doc/theory/detection.md, "Alert distance").
 module sg_way_of_step
-  use sg_contactors, only: contactors_t, kind_point
+  use sg_contactors, only: kind_point
   use sg_extremes, only: largest_magnitude
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_scene, only: largest_gravity, scene_t
   use sg_shape_kinds, only: is_round
   implicit none
   private
-  public :: farthest_arm, way_of_step
+  public :: way_of_solution, way_of_step
 
 contains
 
@@ -24,10 +24,22 @@ contains
     way = huge(way)/4
     if (scene%bodies%n == 0) return
     if (largest_magnitude(size(scene%bodies%free_velocity), scene%bodies%free_velocity) > most) return
-    fastest = sqrt(fastest_square(scene)) + real(substeps - 1, wp)*h*largest_gravity(scene)
+    fastest = sqrt(fastest_square(scene, scene%bodies%free_velocity, scene%bodies%n_velocity - scene%dimension)) + &
+              real(substeps - 1, wp)*h*largest_gravity(scene)
     if (scene%cell%is_on) fastest = fastest + speed_in_cell(scene)
     way = 2*real(substeps, wp)*h*fastest
   end function way_of_step
+
+  !> How much nearer two shapes come to each other in a step by the velocities of its solution, at most [m].
+  pure real(wp) function way_of_solution(scene, velocity, slot_of, turns, h) result(way)
+    type(scene_t), intent(in) :: scene !! scene without a periodic cell
+    real(wp), intent(in) :: velocity(:, :) !! records of the bodies of its problem, which begin with velocity and spin
+    integer(i4), intent(in) :: slot_of(:) !! slot of each body
+    logical, intent(in) :: turns !! do the records have a spin that moves points towards others?
+    real(wp), intent(in) :: h !! length of the step [s]
+
+    way = 2*h*sqrt(fastest_square(scene, velocity, merge(scene%bodies%n_velocity - scene%dimension, 0, turns), slot_of))
+  end function way_of_solution
 
   !> Half of the speed at which the motion of a periodic cell brings two shapes nearer to each other that touch, at most [m/s].
   pure real(wp) function speed_in_cell(scene) result(speed)
@@ -41,35 +53,30 @@ contains
   end function speed_in_cell
 
   !> Square of the largest speed of a point of all shapes, at most [m2/s2].
-  pure real(wp) function fastest_square(scene) result(fastest)
+  pure real(wp) function fastest_square(scene, velocity, n_spin, slot_of) result(fastest)
     type(scene_t), intent(in) :: scene
+    real(wp), intent(in) :: velocity(:, :) !! velocities, and spins behind them
+    integer, intent(in) :: n_spin !! components of spins
+    integer(i4), intent(in), optional :: slot_of(:) !! column of each body; its own number when absent
     real(wp) :: square, arm
-    integer :: c, n
+    integer :: c, n, s
 
     fastest = 0
     n = scene%dimension
-    associate (contactors => scene%contactors, velocity => scene%bodies%free_velocity)
+    associate (contactors => scene%contactors)
       do c = 1, contactors%n
         if (contactors%kind(c) == kind_point) cycle
-        associate (b => contactors%body(c))
-          square = velocity(1, b)**2 + velocity(2, b)**2
-          if (n == 3) square = square + velocity(3, b)**2
-          if (scene%bodies%n_velocity > n) then
-            arm = farthest_arm(contactors, c)
-            if (arm > 0) square = (sqrt(square) + sqrt(sum(velocity(n + 1:, b)**2))*arm)**2
-          end if
-        end associate
+        s = contactors%body(c)
+        if (present(slot_of)) s = slot_of(s)
+        square = velocity(1, s)**2 + velocity(2, s)**2
+        if (n == 3) square = square + velocity(3, s)**2
+        if (n_spin > 0) then
+          arm = sum(abs(contactors%shift(:, c)))
+          if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
+          if (arm > 0) square = (sqrt(square) + sqrt(sum(velocity(n + 1:n + n_spin, s)**2))*arm)**2
+        end if
         fastest = max(fastest, square)
       end do
     end associate
   end function fastest_square
-
-  !> Distance from the centre of its body to the farthest point of a shape that turning moves, at most [m].
-  pure real(wp) function farthest_arm(contactors, c) result(arm)
-    type(contactors_t), intent(in) :: contactors !! all contactors
-    integer, intent(in) :: c !! the one to look at
-
-    arm = sum(abs(contactors%shift(:, c)))
-    if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
-  end function farthest_arm
 end module sg_way_of_step

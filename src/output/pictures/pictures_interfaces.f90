@@ -1,7 +1,7 @@
 !> Picture of the interfaces: one point per pair of bodies, at the centre of pressure, with the resultant of its contacts. Only runs
 !! with `[[interface]]` have it; the numbers are those of interfaces.csv. All ranks hold all pairs; the root rank draws them.
 module sg_pictures_interfaces
-  use sg_body_interfaces, only: interfaces_t
+  use sg_body_interfaces, only: interface_columns, interfaces_t
   use sg_comm, only: comm_t
   use sg_kinds, only: wp, i4, i8
   use sg_pictures_grid, only: grid_file_t, on_cells, on_field, vtk_empty, vtk_vertex
@@ -82,18 +82,11 @@ contains
     if (allocated(interfaces%value)) total = size(interfaces%value, 2)
     rows = merge(max(1, total), 0, is_root)
     allocate (body(2, rows), source=0_i4)
-    allocate (value(number_of_columns(dimension), rows), source=0.0_wp)
+    allocate (value(size(interface_columns(dimension)), rows), source=0.0_wp)
     if (total == 0 .or. .not. is_root) return
     body = interfaces%body
     value = interfaces%value
   end subroutine take_rows
-
-  !> Columns of interfaces.csv behind the names of the bodies (`interface_columns` of sg_body_interfaces).
-  pure integer function number_of_columns(dimension)
-    integer, intent(in) :: dimension
-
-    number_of_columns = merge(14, 20, dimension == 2)
-  end function number_of_columns
 
   !> All numbers of the pairs: vectors first, then the two forces, the moment, eccentricity, area and number of contacts.
   subroutine write_arrays(grid, body, value, dimension)
