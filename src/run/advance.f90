@@ -96,7 +96,7 @@ contains
     if (.not. must_look_again) return
     sim%pairs%way = max(sim%pairs%way, way)
     sim%pairs%is_reduced = .false.
-    ! A dump of the problem that was too small is begun anew with the next.
+    ! The dump of this problem, which was too small, makes room for that of the next.
     sim%dump%is_begun = .false.
     sim%totals%repeated_steps = sim%totals%repeated_steps + 1
     first = sim%report
