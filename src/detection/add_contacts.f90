@@ -11,13 +11,13 @@ module sg_add_contacts
                               shorter_reach
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_mohr, status_bonded, status_new
-  use sg_neighbours, only: image_of_pair, neighbours_t
+  use sg_neighbours, only: neighbours_t, offset_of
   use sg_rotations, only: no_rotation
-  use sg_scene, only: image_shift, scene_t
+  use sg_scene, only: scene_t
   use sg_touch_space, only: most_points
   implicit none
   private
-  public :: add_contacts, add_kept, is_slow, keep_pair, kept_length, law_of, offset_of
+  public :: add_contacts, add_kept, is_slow, keep_pair, kept_length, law_of
 
 contains
 
@@ -165,11 +165,12 @@ contains
 
   !> Add the contacts that a pair had in the last detection, where its shapes are now; if they are kept, as far as is looked
   !! now, and the pair has hardly moved since they were found.
-  subroutine add_kept(scene, pairs, history, p, contacts, is_kept)
+  subroutine add_kept(scene, pairs, history, p, alert, contacts, is_kept)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     type(history_t), intent(in) :: history !! contacts of the last detection
     integer, intent(in) :: p !! pair
+    real(wp), intent(in) :: alert !! alert distance of the pair [m]
     type(contacts_t), intent(inout) :: contacts !! contacts of the step so far
     logical, intent(out) :: is_kept !! are these its contacts?
     real(wp) :: offset(3), pose(n_pose_in_space)
@@ -182,7 +183,7 @@ contains
     last = history%first(before + 1) - 1
     if (last < first .or. size(history%kept, 1) /= contacts%n_kept) return
     if (.not. history%kept(1, first) > 0) return
-    if (pairs%alert(pairs%see(p)) > history%kept(contacts%n_kept, first)) return
+    if (alert > history%kept(contacts%n_kept, first)) return
     offset = offset_of(scene, pairs, p)
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       if (scene%dimension == 2) then
@@ -193,16 +194,16 @@ contains
         is_kept = .not. has_moved_in_space(history%kept(:, first), pose, contactors%reach(c), kept_length(scene, c, a))
       end if
     end associate
-    if (is_kept) call follow_pair(scene, pairs, history, p, first, last, offset, pose, contacts)
+    if (is_kept) call follow_pair(scene, pairs, history, p, alert, first, last, offset, pose, contacts)
   end subroutine add_kept
 
   !> Add contacts of the last detection that follow the two shapes of their pair.
-  subroutine follow_pair(scene, pairs, history, p, first, last, offset, pose, contacts)
+  subroutine follow_pair(scene, pairs, history, p, alert, first, last, offset, pose, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(in) :: history
     integer, intent(in) :: p, first, last
-    real(wp), intent(in) :: offset(3), pose(n_pose_in_space)
+    real(wp), intent(in) :: alert, offset(3), pose(n_pose_in_space)
     type(contacts_t), intent(inout) :: contacts
     real(wp) :: normal(3), point(3), gap, turn(4), reach, farthest
     integer :: past
@@ -212,7 +213,7 @@ contains
       if (contacts%is_cut) return
     end if
     associate (a => pairs%contactor(2, p), contactors => scene%contactors)
-      reach = shorter_reach(history%kept(contacts%n_kept, first), pairs%alert(pairs%see(p)), scene%sees(pairs%see(p))%alert)
+      reach = shorter_reach(history%kept(contacts%n_kept, first), alert, scene%sees(pairs%see(p))%alert)
       farthest = reach + kept_length(scene, pairs%contactor(1, p), a)
       turn = turn_of(scene, a)
       do past = first, last
@@ -235,10 +236,11 @@ contains
   end subroutine follow_pair
 
   !> Keep the contacts of a pair that have just been found: the last ones.
-  subroutine keep_pair(scene, pairs, p, n, contacts)
+  subroutine keep_pair(scene, pairs, p, alert, n, contacts)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     integer, intent(in) :: p !! pair
+    real(wp), intent(in) :: alert !! alert distance of the pair [m]
     integer, intent(in) :: n !! contacts found
     type(contacts_t), intent(inout) :: contacts !! contacts of the step so far
     real(wp) :: offset(3), pose(n_pose_in_space)
@@ -252,7 +254,7 @@ contains
       if (scene%dimension == 3) pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
       do k = first, contacts%n
         associate (normal => contacts%normal(:, k), point => contacts%point(:, k), gap => contacts%gap(k), &
-                   alert => pairs%alert(pairs%see(p)), kept => contacts%kept(:, k))
+                   kept => contacts%kept(:, k))
           ! Points of one face have one normal.
           if (any(abs(normal - contacts%normal(:, max(first, k - 1))) > 0) .or. k == first) &
             face = face_of(contactors, c, a, normal)
@@ -286,22 +288,6 @@ contains
     turn = no_rotation
     if (size(scene%bodies%middle, 1) == 7) turn = scene%bodies%middle(4:7, scene%contactors%body(c))
   end function turn_of
-
-  !> Shift of the antagonist of a pair [m]. It is asked for at every pair, so one without a cell is found in place.
-  pure function offset_of(scene, pairs, p) result(offset)
-    type(scene_t), intent(in) :: scene !! scene, its contactors placed
-    type(neighbours_t), intent(in) :: pairs !! list of neighbours
-    integer, intent(in) :: p !! pair
-    real(wp) :: offset(3)
-
-    if (scene%cell%is_on) then
-      offset = image_shift(scene, image_of_pair(pairs, p))
-    else
-      offset(1) = scene%period*real(pairs%image(p), wp)
-      offset(2:3) = 0
-      if (scene%dimension == 3) offset(2) = scene%period_y*real(pairs%image_y(p), wp)
-    end if
-  end function offset_of
 
   !> Law of a pair that is no link.
   pure integer(i4) function law_of(scene, pairs, p)

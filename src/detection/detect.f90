@@ -1,7 +1,7 @@
 !> Detection: from the configuration of a step to its contacts, with the impulses of the last step as a guess.
 module sg_detect
-  use sg_add_contacts, only: add_contacts, add_kept, is_slow, keep_pair, kept_length, law_of, offset_of
-  use sg_contactors, only: kind_polygon, kind_polyhedron, kind_sphere, place_contactors, contactors_t
+  use sg_add_contacts, only: add_contacts, add_kept, is_slow, keep_pair, kept_length, law_of
+  use sg_contactors, only: kind_polygon, kind_polyhedron, place_contactors
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_follow, only: follows
   use sg_history, only: exchange_kept, fold_images, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, &
@@ -10,19 +10,18 @@ module sg_detect
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_bond, status_broken
   use sg_link_laws, only: holds_across, is_torn, pulls_only
-  use sg_neighbours, only: build_neighbours, fitting_skin, neighbours_are_stale, neighbours_t
+  use sg_list_margins, only: choose_margins, fitting_skin, neighbours_are_stale
+  use sg_narrow_phase, only: path_of, touch_in_plane, touch_in_space
+  use sg_neighbours, only: build_neighbours, neighbours_t, offset_of
+  use sg_pair_alert, only: alert_of_pair
   use sg_path_bound, only: is_clear
   use sg_scene, only: scene_t
-  use sg_sees, only: alert_of, reduced_alert
+  use sg_sees, only: alert_of
   use sg_shape_kinds, only: is_bounding
-  use sg_shrink_face, only: shrink_face
   use sg_timers, only: wall_now
   use sg_touch, only: touch_t
   use sg_touch_link, only: touch_link
-  use sg_touch_pair, only: touch_pair
   use sg_touch_space, only: touch_space_t
-  use sg_touch_space_pair, only: touch_space_pair
-  use sg_touch_sphere_sphere, only: touch_sphere_sphere
   implicit none
   private
   public :: detect, turn_link
@@ -37,6 +36,7 @@ contains
     type(contacts_t), intent(inout) :: contacts !! contacts of the last step, replaced by those of this one; none where memory or
     !! time ran short, as `pairs` and `contacts` report
     real(wp) :: skin
+    real(wp), allocatable :: margin(:)
     integer(i4) :: folds
 
     if (.not. history%is_loaded) then
@@ -49,9 +49,9 @@ contains
       call unwrap_images(history, scene)
       skin = pairs%asked_skin
       if (.not. skin > 0) skin = fitting_skin(scene, pairs%substeps)
-      pairs%listed_way = 2*pairs%way
+      call choose_margins(scene, pairs, skin, margin)
       folds = scene%cell%folds
-      call build_neighbours(pairs, scene, scene%bodies%middle, skin)
+      call build_neighbours(pairs, scene, scene%bodies%middle, margin)
       call fold_images(history, scene%cell%folds - folds)
       call match_pairs(history, scene, pairs)
     else if (history%is_loaded) then
@@ -60,11 +60,7 @@ contains
     end if
     call place_contactors(scene%contactors, scene%bodies%middle)
     if (.not. allocated(pairs%alert)) allocate (pairs%alert(size(scene%sees)))
-    if (pairs%is_reduced) then
-      pairs%alert(:) = reduced_alert(scene%sees, pairs%way)
-    else
-      pairs%alert(:) = alert_of(scene%sees, pairs%way)
-    end if
+    pairs%alert(:) = alert_of(scene%sees, pairs%way)
     if (scene%cell%is_on) contacts%upwards = scene%cell%middle([4, 2])
     call touch_all(scene, pairs, history, contacts)
     history%is_loaded = .false.
@@ -79,6 +75,8 @@ contains
     type(history_t), intent(inout) :: history
     type(contacts_t), intent(inout) :: contacts
     integer(i4), allocatable :: first(:)
+    real(wp) :: alert
+    logical :: is_apart
     integer :: p
 
     ! About half of the neighbours touch; more room is made when it is wanted.
@@ -93,8 +91,8 @@ contains
       if (ends_early(pairs, contacts, p)) exit
       first(p) = int(contacts%n, i4) + 1
       ! Most pairs end here.
-      if (are_apart(scene, pairs, p, contacts%n_kept)) cycle
-      call touch_near(scene, pairs, history, p, contacts)
+      call look_at_spheres(scene, pairs, p, contacts%n_kept, alert, is_apart)
+      if (.not. is_apart) call touch_near(scene, pairs, history, p, alert, contacts)
     end do
     do p = pairs%n_near + 1, pairs%n
       if (ends_early(pairs, contacts, p)) exit
@@ -124,18 +122,20 @@ contains
   end function ends_early
 
   !> Contacts of a pair whose circles or spheres are near: none, kept ones, or those that the narrow phase finds.
-  subroutine touch_near(scene, pairs, history, p, contacts)
+  subroutine touch_near(scene, pairs, history, p, near, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p
+    real(wp), intent(in) :: near !! alert distance of the pair [m]
     type(contacts_t), intent(inout) :: contacts
     real(wp) :: alert, path
     integer :: n
     logical :: keeps, is_kept
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      alert = alert_between(scene, pairs, p, contacts%n_kept)
+      alert = near
+      if (contacts%n_kept > 0) alert = near + kept_length(scene, c, a)
       path = 0
       if (contactors%kind(c) == contactors%kind(a) .and. follows(contactors%kind(c))) then
         path = path_of(contactors, c) + path_of(contactors, a)
@@ -143,7 +143,7 @@ contains
       end if
       keeps = contacts%n_kept > 0 .and. follows(contactors%kind(c))
       if (keeps) then
-        call add_kept(scene, pairs, history, p, contacts, is_kept)
+        call add_kept(scene, pairs, history, p, near, contacts, is_kept)
         if (is_kept) return
       end if
       n = contacts%n
@@ -153,34 +153,11 @@ contains
         call find_in_space(scene, pairs, history, p, alert, path, contacts)
       end if
       if (.not. keeps .or. contacts%n == n) return
-      if (is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, contacts%n - n, contacts)
+      if (is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, near, contacts%n - n, contacts)
     end associate
   end subroutine touch_near
 
-  !> Gap from which nothing is found between two shapes [m].
-  pure real(wp) function alert_between(scene, pairs, p, n_kept) result(alert)
-    type(scene_t), intent(in) :: scene
-    type(neighbours_t), intent(in) :: pairs
-    integer, intent(in) :: p
-    integer, intent(in) :: n_kept !! values of a contact that is kept; 0 where none is
-
-    alert = pairs%alert(pairs%see(p))
-    if (n_kept > 0) alert = alert + kept_length(scene, pairs%contactor(1, p), pairs%contactor(2, p))
-  end function alert_between
-
-  !> Length of the path of a polygon or polyhedron so far [m].
-  pure real(wp) function path_of(contactors, c) result(path)
-    type(contactors_t), intent(in) :: contactors
-    integer(i4), intent(in) :: c
-
-    if (contactors%kind(c) == kind_polygon) then
-      path = contactors%polygon_path(contactors%row(c))
-    else
-      path = contactors%space%polyhedron_path(contactors%row(c))
-    end if
-  end function path_of
-
-  !> Narrow phase of one pair in the plane.
+  !> Add the points that the narrow phase finds between two shapes in the plane.
   subroutine find_in_plane(scene, pairs, history, p, alert, path, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
@@ -190,29 +167,13 @@ contains
     real(wp), intent(in) :: path !! path lengths of two polygons, added [m]
     type(contacts_t), intent(inout) :: contacts
     type(touch_t) :: touch
-    real(wp) :: shift(2), offset(3)
 
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      offset = offset_of(scene, pairs, p)
-      shift = offset(:2)
-      if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
-        call touch_pair(contactors, c, a, shift, alert, touch, scene%period, history%face(1, p), history%clearance(p))
-        history%clearance(p) = history%clearance(p) + path
-      else if (contactors%kind(c) == kind_polygon) then
-        call touch_pair(contactors, c, a, shift, alert, touch, scene%period, history%face(1, p))
-      else
-        call touch_pair(contactors, c, a, shift, alert, touch, scene%period)
-      end if
-      if (scene%shrink > 0) then
-        if (all(scene%contactors%kind([c, a]) == kind_polygon)) &
-          call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
-      end if
-    end associate
+    call touch_in_plane(scene, pairs, history, p, alert, path, touch)
     if (touch%n > 0) call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, &
                                        touch%gap, touch%feature, contacts)
   end subroutine find_in_plane
 
-  !> Narrow phase of one pair in space.
+  !> The same in space.
   subroutine find_in_space(scene, pairs, history, p, alert, path, contacts)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
@@ -222,25 +183,8 @@ contains
     real(wp), intent(in) :: path !! path lengths of two polyhedra, added [m]
     type(contacts_t), intent(inout) :: contacts
     type(touch_space_t) :: touch
-    real(wp) :: offset(3), place(3)
 
-    offset = offset_of(scene, pairs, p)
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      if (contactors%kind(c) == kind_sphere .and. contactors%kind(a) == kind_sphere) then
-        ! One by one: of a number that is not known the compiler makes a loop, which waits for what has just been stored.
-        place(1) = contactors%centre(1, a) + offset(1)
-        place(2) = contactors%centre(2, a) + offset(2)
-        place(3) = contactors%centre(3, a) + offset(3)
-        call touch_sphere_sphere(contactors%centre(:, c), contactors%reach(c), place, contactors%reach(a), alert, touch)
-      else if (contactors%kind(c) == kind_polyhedron .and. contactors%kind(a) == kind_polyhedron) then
-        call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch, history%face(:, p), &
-                              history%clearance(p))
-        history%clearance(p) = history%clearance(p) + path
-        if (scene%shrink > 0) call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
-      else
-        call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch)
-      end if
-    end associate
+    call touch_in_space(scene, pairs, history, p, alert, path, touch)
     if (touch%n > 0) call add_contacts(scene, pairs, history, p, law_of(scene, pairs, p), touch%n, touch%normal, touch%point, &
                                        touch%gap, touch%feature, contacts)
   end subroutine find_in_space
@@ -298,24 +242,33 @@ contains
     end associate
   end function is_broken
 
-  !> Are the circles or spheres about two shapes farther apart than the alert distance? A square decides.
-  pure logical function are_apart(scene, pairs, p, n_kept) result(apart)
+  !> Alert distance of a pair, and whether the circles or spheres about its shapes are farther apart. Squares decide.
+  pure subroutine look_at_spheres(scene, pairs, p, n_kept, alert, is_apart)
     type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     integer, intent(in) :: p
     integer, intent(in) :: n_kept !! values of a contact that is kept; 0 where none is
-    real(wp) :: offset(3), x, y, z, limit
+    real(wp), intent(out) :: alert !! [m]
+    logical, intent(out) :: is_apart
+    real(wp) :: offset(3), x, y, z, square, limit
 
-    apart = .false.
+    is_apart = .false.
+    alert = pairs%alert(pairs%see(p))
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      if (is_bounding(contactors%kind(a))) return
-      offset = offset_of(scene, pairs, p)
-      x = contactors%centre(1, c) - contactors%centre(1, a) - offset(1)
-      y = contactors%centre(2, c) - contactors%centre(2, a) - offset(2)
-      z = 0
-      if (scene%dimension == 3) z = contactors%centre(3, c) - contactors%centre(3, a) - offset(3)
-      limit = contactors%reach(c) + contactors%reach(a) + alert_between(scene, pairs, p, n_kept)
-      apart = x**2 + y**2 + z**2 > limit**2
+      if (.not. is_bounding(contactors%kind(a))) then
+        offset = offset_of(scene, pairs, p)
+        x = contactors%centre(1, c) - contactors%centre(1, a) - offset(1)
+        y = contactors%centre(2, c) - contactors%centre(2, a) - offset(2)
+        z = 0
+        if (scene%dimension == 3) z = contactors%centre(3, c) - contactors%centre(3, a) - offset(3)
+        square = x**2 + y**2 + z**2
+        limit = contactors%reach(c) + contactors%reach(a)
+        if (n_kept > 0) limit = limit + kept_length(scene, c, a)
+        is_apart = square > (limit + alert)**2
+      end if
+      if (is_apart .or. .not. pairs%is_reduced) return
+      alert = alert_of_pair(pairs, p)
+      if (.not. is_bounding(contactors%kind(a))) is_apart = square > (limit + alert)**2
     end associate
-  end function are_apart
+  end subroutine look_at_spheres
 end module sg_detect

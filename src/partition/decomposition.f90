@@ -15,10 +15,11 @@ module sg_decomposition
   use sg_halo_margin, only: halo_margin_t
   use sg_history, only: history_t, resume_history, start_history
   use sg_kinds, only: wp, i4, i8
+  use sg_list_margins, only: fitting_skin, neighbours_are_stale
   use sg_load, only: imbalance
   use sg_local_numbers, only: local_contactor
   use sg_migrate, only: migrate
-  use sg_neighbours, only: fitting_skin, neighbours_are_stale, neighbours_t
+  use sg_neighbours, only: neighbours_t
   use sg_owner_sums, only: copy_from_owner
   use sg_owners, only: counts_on
   use sg_parcels, only: parcel_t
@@ -194,7 +195,6 @@ contains
     is_rebuilt = .false.
     if (self%subdomain%size == 1) return
     self%age = self%age + 1
-    call comm%maximum(pairs%way)
     if (.not. comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))) return
     skin = common_skin(scene, pairs%substeps, comm)
     call forget_pairs(pairs, skin)

@@ -13,9 +13,11 @@ module sg_advance
   use sg_failure, only: check_input, dump_broken_step, dump_failed_solve, keep_guess, note_unconverged, note_worst, save_dump
   use sg_guard, only: find_broken
   use sg_kinds, only: wp, i1, i4
+  use sg_left_out, only: has_left_out
   use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
   use sg_motion, only: move_with_cell, predict, update
+  use sg_pair_alert, only: reduce_alerts
   use sg_passage_counts, only: let_pass
   use sg_passages, only: time_slack
   use sg_penetration, only: deepest_penetration
@@ -24,7 +26,6 @@ module sg_advance
   use sg_relative_epsilon, only: set_relative_epsilon
   use sg_relax_cell, only: begin_cell
   use sg_report, only: add_effort, add_substep, report_t
-  use sg_sees, only: alert_of
   use sg_simulation, only: simulation_t
   use sg_solve_step, only: solve_step
   use sg_timed, only: timed
@@ -48,12 +49,12 @@ contains
     if (sim%scene%bodies%has_presence) call timed(change_presence, sim, phase_predict, error)
     do
       call timed(predict_bodies, sim, phase_predict, error)
-      sim%pairs%is_reduced = can_look_again(sim)
       first = report_t()
       do
         call timed(find_contacts, sim, phase_detect, error)
         call timed(assemble_problem, sim, phase_assemble, error)
         call timed(solve_problem, sim, phase_solve, error)
+        call timed(check_alerts, sim, phase_detect, error)
         if (.not. must_look_again(sim, first, error)) exit
       end do
       call timed(update_bodies, sim, phase_update, error)
@@ -77,8 +78,18 @@ contains
                      sim%contacts%n_carried == 0
   end function can_look_again
 
-  !> Has the solution moved shapes farther than contacts were sought, and would more have been sought without a reduction? Then
-  !! the step is solved again, and the effort of both solves is that of the step. Collective.
+  !> Find out whether the solution closes a contact on any rank that a reduced alert distance has left out. Collective.
+  subroutine check_alerts(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+
+    sim%pairs%is_too_short = .false.
+    if (.not. (sim%pairs%is_reduced .and. sim%report%is_finite)) return
+    sim%pairs%is_too_short = sim%comm%any(has_left_out(sim%scene, sim%pairs, sim%history, sim%contacts, sim%problem%body, &
+                                                       sim%pairs%slot_of, .not. sim%plan%is_round))
+  end subroutine check_alerts
+
+  !> Were alert distances too short? Then the step is solved again, and the effort of both solves is that of the step. Collective.
   logical function must_look_again(sim, first, error)
     type(simulation_t), intent(inout) :: sim
     type(report_t), intent(inout) :: first !! effort of the solve before, zero for none
@@ -87,15 +98,15 @@ contains
 
     must_look_again = .false.
     call add_effort(first, sim%report)
-    if (allocated(error) .or. .not. (sim%pairs%is_reduced .and. sim%report%is_finite)) return
+    if (allocated(error)) return
+    must_look_again = sim%pairs%is_too_short
+    if (.not. must_look_again) return
     way = way_of_solution(sim%scene, sim%problem%body, sim%pairs%slot_of, .not. sim%plan%is_round, sim%options%time_step)
     call sim%comm%maximum(way)
-    associate (alert => sim%pairs%alert)
-      must_look_again = any(way > alert .and. alert < alert_of(sim%scene%sees, sim%pairs%way))
-    end associate
-    if (.not. must_look_again) return
     sim%pairs%way = max(sim%pairs%way, way)
     sim%pairs%is_reduced = .false.
+    ! Copies of a rank's halo have moved since their margin was looked at: a list that must be made now is for this step alone.
+    if (sim%comm%size > 1) sim%pairs%asked_skin = tiny(1.0_wp)
     ! The dump of this problem, which was too small, makes room for that of the next.
     sim%dump%is_begun = .false.
     sim%totals%repeated_steps = sim%totals%repeated_steps + 1
@@ -128,10 +139,14 @@ contains
       call predict(sim%scene, sim%substep_time(), h, options%theta)
       if (sim%substep > 1) return
       sim%pairs%way = way_of_step(sim%scene, h, options%substeps)
+      call sim%comm%maximum(sim%pairs%way)
+      sim%pairs%is_reduced = .false.
+      if (can_look_again(sim)) call reduce_alerts(sim%scene, h, sim%pairs)
       call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
       if (allocated(error) .or. .not. is_rebuilt) return
       call set_radii(sim%scene, sim%plan)
       call predict(sim%scene, sim%time(), h, options%theta)
+      if (sim%pairs%is_reduced) call reduce_alerts(sim%scene, h, sim%pairs)
     end associate
   end subroutine predict_bodies
 

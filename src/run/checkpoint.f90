@@ -78,10 +78,25 @@ contains
     call sim%stages%note(sim%step, sim%time(), sim%totals%unconverged_steps, sim%stop%met, sim%stop%value)
     state%stages = sim%stages%pack()
     state%cell = sim%scene%cell%pack()
-    allocate (state%built(size(sim%scene%bodies%middle, 1), 0))
-    if (sim%comm%size == 1 .and. allocated(sim%pairs%built)) state%built = sim%pairs%built
+    call keep_list(sim, state%built)
     call write_restart(sim%options%folder, state, sim%comm, error)
   end subroutine save_checkpoint
+
+  !> Configuration and margins of the list of neighbours, one below the other; none where another list will be made.
+  pure subroutine keep_list(sim, built)
+    type(simulation_t), intent(in) :: sim
+    real(wp), allocatable, intent(out) :: built(:, :)
+    integer :: n
+
+    n = size(sim%scene%bodies%middle, 1)
+    if (sim%comm%size > 1 .or. .not. allocated(sim%pairs%built)) then
+      allocate (built(n + 1, 0))
+    else
+      allocate (built(n + 1, sim%scene%bodies%n))
+      built(:n, :) = sim%pairs%built
+      built(n + 1, :) = sim%pairs%margin
+    end if
+  end subroutine keep_list
 
   !> Copy the state of bodies and contacts, of bodies those that this rank writes.
   subroutine keep_shared(sim, state, error)
@@ -237,7 +252,10 @@ contains
       call set_edges(sim%scene, (sim%scene%cell%built))
     end if
     if (sim%comm%size == 1 .and. size(state%built, 2) > 0) then
-      call build_neighbours(sim%pairs, sim%scene, state%built, list(1))
+      sim%pairs%skin = list(1)
+      associate (n => size(state%built, 1) - 1)
+        call build_neighbours(sim%pairs, sim%scene, state%built(:n, :), state%built(n + 1, :))
+      end associate
     end if
     if (sim%scene%cell%is_on) call set_edges(sim%scene, (sim%scene%cell%now))
     call sim%tracks%unpack(state%tracks)

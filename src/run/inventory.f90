@@ -107,6 +107,8 @@ contains
     call tables%note('body_of', pairs%body_of)
     call tables%note('slot_of', pairs%slot_of)
     call tables%note('built', pairs%built)
+    call tables%note('margin', pairs%margin)
+    call tables%note('motion', pairs%motion)
     call tables%begin('pairs', per_contact)
     call tables%note('contactor', pairs%contactor)
     call tables%note('image', pairs%image)

@@ -6,7 +6,7 @@ module sg_sees
   use sg_shape_pairs, only: can_touch
   implicit none
   private
-  public :: alert_of, reduced_alert, see_between, see_named, see_of, blind_pairs, links_points, widest_alert
+  public :: alert_of, follows_motion, see_between, see_named, see_of, blind_pairs, links_points, widest_alert
 
 contains
 
@@ -92,16 +92,12 @@ contains
     alert_of = min(see%alert, max(see%least_alert, way))
   end function alert_of
 
-  !> The same where a step is solved again if something moves farther: less than the shortest distance, down to a tenth of it.
-  pure elemental real(wp) function reduced_alert(see, way)
+  !> Does the alert distance of a line follow the motion of each step?
+  pure elemental logical function follows_motion(see)
     type(see_t), intent(in) :: see !! the line
-    real(wp), intent(in) :: way !! by which two shapes may come nearer to each other [m]
-    ! Solutions faster than three times the free velocities are rare enough to be solved again.
-    real(wp), parameter :: least_share = 0.1_wp, faster = 3
 
-    reduced_alert = alert_of(see, way)
-    if (see%least_alert < see%alert) reduced_alert = min(reduced_alert, max(least_share*see%least_alert, faster*way))
-  end function reduced_alert
+    follows_motion = see%least_alert < see%alert
+  end function follows_motion
 
   !> Largest alert distance at which contacts exist [m].
   pure real(wp) function widest_alert(sees, way)

@@ -153,14 +153,16 @@ contains
     real(wp), allocatable :: built(:), found(:, :), expected(:, :), list(:)
     integer :: b, width
 
-    width = size(sim%pairs%built, 1)
+    ! Configurations, and margins below them.
+    width = size(sim%pairs%built, 1) + 1
     allocate (built(width*whole%bodies%n), source=0.0_wp)
     do b = 1, sim%scene%bodies%n_own
-      built((sim%scene%bodies%id(b) - 1)*width + 1:sim%scene%bodies%id(b)*width) = sim%pairs%built(:, b)
+      built((sim%scene%bodies%id(b) - 1)*width + 1:sim%scene%bodies%id(b)*width) = [sim%pairs%built(:, b), sim%pairs%margin(b)]
     end do
     call comm%sum(built)
     scene = whole
-    call build_neighbours(pairs, scene, reshape(built, [width, whole%bodies%n]), sim%pairs%skin)
+    found = reshape(built, [width, whole%bodies%n])
+    call build_neighbours(pairs, scene, found(:width - 1, :), found(width, :))
     call tabulate_pairs(pairs, [(int(b, i4), b=1, whole%contactors%n)], whole%contactors%n, expected)
     call tabulate_pairs(sim%pairs, sim%scene%contactors%id, whole%contactors%n, found)
     list = reshape(found, [size(found)])

@@ -62,7 +62,7 @@ contains
     axis = scene%dimension
     ! The bodies have moved since: the list must not depend on where they are now.
     copy%bodies%middle(axis, :) = copy%bodies%middle(axis, :) + 0.01_wp
-    call build_neighbours(again, copy, pairs%built, pairs%skin)
+    call build_neighbours(again, copy, pairs%built, pairs%margin)
     call t%equal(again%n, pairs%n, name//': as many pairs when made again')
     if (again%n /= pairs%n) return
     is_same = all(again%contactor(:, :again%n) == pairs%contactor(:, :pairs%n)) .and. &

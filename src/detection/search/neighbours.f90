@@ -5,23 +5,22 @@
 !! restarted run makes the same list again. Links of the scene stand behind all others, whatever their length.
 module sg_neighbours
   use sg_bodies, only: bodies_t, body_present, is_absent
-  use sg_cell_search, only: has_moved_in_cell, turned_angle, wrap_in_cell
+  use sg_cell_search, only: wrap_in_cell
   use sg_cells, only: build_cells, cells_t, level_cell
   use sg_contactors, only: contactors_t, kind_point, n_kinds, place_contactors
   use sg_kinds, only: wp, i1, i4, i8
   use sg_links, only: link_image
   use sg_lists, only: reserve, room_for
   use sg_memory, only: memory_t
-  use sg_near, only: candidate_first, is_near, turning_arm
+  use sg_near, only: candidate_first, is_near
   use sg_owners, only: contact_owner
   use sg_scene, only: image_shift, periods_of, scene_t
-  use sg_sees, only: alert_of, see_between, see_named, widest_alert
-  use sg_shape_kinds, only: is_bounding
+  use sg_sees, only: follows_motion, see_between, see_named, widest_alert
   use sg_sorting, only: hilbert_order, sort_permutation
   use sg_timers, only: wall_now
   implicit none
   private
-  public :: neighbours_t, build_neighbours, find_neighbours, image_of_pair, neighbours_are_stale, fitting_skin
+  public :: neighbours_t, build_neighbours, find_neighbours, image_of_pair, offset_of
 
   !> All pairs that may touch soon
   type :: neighbours_t
@@ -41,16 +40,25 @@ module sg_neighbours
     integer(i4), allocatable :: body_of(:), slot_of(:)
     !> Configuration at the making of the list, as `middle` of the bodies
     real(wp), allocatable :: built(:, :)
-    !> How far shapes may move, two together, before the list is made again [m]
+    !> What the list allows to each body: how far its shapes may move, and how far they are to be sought, together [m]
+    real(wp), allocatable :: margin(:)
+    !> How far shapes may move, two together, before the list is made again in any case [m]
     real(wp) :: skin = 0
     !> Skin of the next list, where all ranks of a decomposed scene must have the same; 0 where it is free to choose [m]
     real(wp) :: asked_skin = 0
     !> How much nearer two shapes may come to each other until the next detection, and for which such ways the list holds all that
     !! may be wanted, where alert distances follow the motion [m]
     real(wp) :: way = huge(1.0_wp)/4, listed_way = huge(1.0_wp)/4
-    !> Alert distance of each line of the scene's see tables in the last detection [m]; is it reduced until the solve shows more?
-    real(wp), allocatable :: alert(:)
-    logical :: is_reduced = .false.
+    !> Alert distance of each line of the scene's see tables in the last detection [m]. Is that of a pair reduced to `least` of its
+    !! line [m] until the solve shows that more is needed (sg_pair_alert), or, where that may be too short for some, by pair to what
+    !! its own motion in a time step [s] asks for?
+    real(wp), allocatable :: alert(:), least(:)
+    logical :: is_reduced = .false., is_by_pair = .false.
+    real(wp) :: time_step = 0
+    !> Motion of each shape in twice the step with its free velocity (`find_motion` of sg_pair_alert)
+    real(wp), allocatable :: motion(:, :)
+    !> Has the solve shown it?
+    logical :: is_too_short = .false.
     !> Substeps from one detection to the next
     integer :: substeps = 1
     !> Are only shapes sought that touch, whatever the alert distances are?
@@ -67,44 +75,12 @@ module sg_neighbours
 
 contains
 
-  !> Has something moved so far, or is so fast, that the list no longer holds all that may touch?
-  pure logical function neighbours_are_stale(pairs, scene) result(stale)
-    type(neighbours_t), intent(in) :: pairs !! list to look at
-    type(scene_t), intent(in) :: scene !! its bodies' `middle` counts
-    real(wp) :: moved, arm
-    integer :: c, b
-
-    stale = .not. allocated(pairs%built)
-    if (.not. stale) stale = any(alert_of(scene%sees, pairs%way) > alert_of(scene%sees, pairs%listed_way))
-    if (stale) return
-    if (scene%cell%is_on) then
-      stale = has_moved_in_cell(scene, pairs%built, pairs%skin)
-      return
-    end if
-    associate (contactors => scene%contactors, middle => scene%bodies%middle)
-      do c = 1, contactors%n
-        if (contactors%kind(c) == kind_point) cycle
-        b = contactors%body(c)
-        moved = (middle(1, b) - pairs%built(1, b))**2 + (middle(2, b) - pairs%built(2, b))**2
-        if (contactors%dimension == 3) moved = moved + (middle(3, b) - pairs%built(3, b))**2
-        if (scene%bodies%n_velocity > contactors%dimension) then
-          arm = turning_arm(contactors, c)
-          if (arm > 0) moved = (sqrt(moved) + turned_angle(middle(:, b), pairs%built(:, b))*arm)**2
-        end if
-        if (moved > (pairs%skin/2)**2) then
-          stale = .true.
-          return
-        end if
-      end do
-    end associate
-  end function neighbours_are_stale
-
   !> Make the list for a configuration. Bodies that left the period are brought back into it.
-  subroutine build_neighbours(pairs, scene, configuration, skin)
+  subroutine build_neighbours(pairs, scene, configuration, margin)
     type(neighbours_t), intent(inout) :: pairs !! list to make
     type(scene_t), intent(inout) :: scene !! positions may be wrapped, contactors are placed
     real(wp), intent(in) :: configuration(:, :) !! of all bodies, as their `middle`
-    real(wp), intent(in) :: skin !! how far shapes may move, two together, before the list is made again [m]
+    real(wp), intent(in) :: margin(:) !! how far shapes of each body may move, and are to be sought, together [m]
 
     if (allocated(pairs%built)) then
       if (any(shape(pairs%built) /= shape(configuration))) deallocate (pairs%built)
@@ -117,7 +93,7 @@ contains
       if (scene%period > 0) call wrap(scene%bodies, pairs%built, 1, scene%period, scene%bodies%crossings)
       if (scene%period_y > 0) call wrap(scene%bodies, pairs%built, 2, scene%period_y, scene%bodies%crossings_y)
     end if
-    pairs%skin = skin
+    pairs%margin = margin
     call find_neighbours(pairs, scene)
     call append_links(pairs, scene)
     if (pairs%is_cut .or. pairs%is_late) call give_back(pairs)
@@ -126,7 +102,7 @@ contains
 
   !> Find the pairs of shapes that are near each other in the configuration `pairs%built`; bodies may lie outside of the period.
   subroutine find_neighbours(pairs, scene)
-    type(neighbours_t), intent(inout) :: pairs !! pairs found; its configuration, skin and rank are given
+    type(neighbours_t), intent(inout) :: pairs !! pairs found; its configuration, margins and rank are given
     type(scene_t), intent(inout) :: scene !! its contactors are placed
     integer(i4), allocatable :: table(:, :)
 
@@ -135,27 +111,6 @@ contains
     call tabulate_sees(scene, table)
     call find_pairs(pairs, scene, table)
   end subroutine find_neighbours
-
-  !> A skin for the present motion [m], 0 where there is nothing: lists that last long cost pairs that never touch, short-lived
-  !! ones cost searches.
-  !!
-  !! Bodies move from their position to `middle` in half a substep, so the fastest crosses half the skin in about eight steps.
-  pure real(wp) function fitting_skin(scene, substeps) result(skin)
-    type(scene_t), intent(in) :: scene !! scene with its `middle` configuration
-    integer, intent(in) :: substeps !! from one detection to the next
-    real(wp), parameter :: thinnest = 0.1_wp, thickest = 1 ! in mean radii
-    real(wp) :: reach, step
-
-    skin = 0
-    if (scene%contactors%n == 0) return
-    reach = common_reach(scene)
-    associate (bodies => scene%bodies)
-      associate (n => bodies%dimension)
-        step = 2*sqrt(maxval(sum((bodies%middle(:n, :) - bodies%position)**2, 1)))
-      end associate
-    end associate
-    skin = max(thinnest*reach, min(thickest*reach, 16*real(substeps, wp)*step))
-  end function fitting_skin
 
   !> Bring bodies back into the period, counting crossings.
   subroutine wrap(bodies, configuration, axis, period, crossings)
@@ -201,23 +156,6 @@ contains
       pairs%slot_of(pairs%body_of(b)) = int(b, i4)
     end do
   end subroutine order_bodies
-
-  !> Mean reach of the shapes that bound no others [m], or of all where there is nothing else.
-  pure real(wp) function common_reach(scene) result(reach)
-    type(scene_t), intent(in) :: scene
-    logical, allocatable :: is_common(:)
-
-    associate (contactors => scene%contactors)
-      associate (kind => contactors%kind(:contactors%n), all_reach => contactors%reach(:contactors%n))
-        is_common = .not. is_bounding(kind) .and. kind /= kind_point
-        if (any(is_common)) then
-          reach = exp(sum(log(all_reach), is_common)/real(count(is_common), wp))
-        else
-          reach = sum(all_reach)/real(max(1, count(kind /= kind_point)), wp)
-        end if
-      end associate
-    end associate
-  end function common_reach
 
   !> See lines by class of contactor (kind and colour), so that a pair needs one look.
   subroutine tabulate_sees(scene, table)
@@ -276,10 +214,10 @@ contains
         if (period(axis) > 0) crossed(axis, i) = floor(centre(axis, i)/period(axis))
         centre(axis, i) = centre(axis, i) - period(axis)*real(crossed(axis, i), wp)
       end do
-      reach(i) = scene%contactors%reach(order(i))
+      reach(i) = scene%contactors%reach(order(i)) + pairs%margin(scene%contactors%body(order(i)))
     end do
-    margin = pairs%skin
-    if (.not. pairs%without_alert) margin = margin + widest_alert(scene%sees, pairs%listed_way)
+    margin = 0
+    if (.not. pairs%without_alert) margin = widest_alert(pack(scene%sees, .not. follows_motion(scene%sees)), 0.0_wp)
     if (abs(slope) > 0) then
       ! The largest stretch of a shear by so much.
       associate (stretch => abs(slope)/2 + sqrt(1 + slope**2/4))
@@ -368,6 +306,22 @@ contains
     if (allocated(pairs%image_y)) image(2) = int(pairs%image_y(p))
     if (allocated(pairs%image_z)) image(3) = int(pairs%image_z(p))
   end function image_of_pair
+
+  !> Shift of the antagonist of a pair [m]. It is asked for at every pair, so one without a cell is found in place.
+  pure function offset_of(scene, pairs, p) result(offset)
+    type(scene_t), intent(in) :: scene !! scene, its contactors placed
+    type(neighbours_t), intent(in) :: pairs !! list of neighbours
+    integer, intent(in) :: p !! pair
+    real(wp) :: offset(3)
+
+    if (scene%cell%is_on) then
+      offset = image_shift(scene, image_of_pair(pairs, p))
+    else
+      offset(1) = scene%period*real(pairs%image(p), wp)
+      offset(2:3) = 0
+      if (scene%dimension == 3) offset(2) = scene%period_y*real(pairs%image_y(p), wp)
+    end if
+  end function offset_of
 
   !> Empty a list that was not made to its end: what follows, and a checkpoint, need the memory.
   subroutine give_back(pairs)
@@ -479,8 +433,8 @@ contains
         if (contact_owner(scene%bodies%owner([contactors%body(i), contactors%body(j)])) /= pairs%rank) return
       end if
       period = periods_of(scene)
-      margin = pairs%skin
-      if (.not. pairs%without_alert) margin = alert_of(scene%sees(see), pairs%listed_way) + pairs%skin
+      margin = pairs%margin(contactors%body(i)) + pairs%margin(contactors%body(j))
+      if (.not. (pairs%without_alert .or. follows_motion(scene%sees(see)))) margin = margin + scene%sees(see)%alert
       if (.not. is_near(contactors, i, j, image_shift(scene, image), period, margin)) return
       side = merge(1, -1, candidate_first(contactors, i, j))
       call add_pair(pairs, scene%dimension, scene%cell%is_on, merge([i, j], [j, i], side == 1), int(side*image, i4), int(see))

@@ -65,6 +65,7 @@ contains
       if (n == 2) bodies%middle(3, :) = bodies%angle
       if (n == 3) bodies%middle(4:7, :) = bodies%orientation
       pairs%built = bodies%middle
+      allocate (pairs%margin(bodies%n), source=0.0_wp)
     end associate
     pairs%rank = rank
     pairs%without_alert = .true.

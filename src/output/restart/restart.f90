@@ -33,7 +33,7 @@ module sg_restart
 
   !> Attributes that mark a restart file and its layout
   character(len=*), parameter :: format_name = 'SplitGrain restart'
-  integer(i8), parameter :: format_version = 2
+  integer(i8), parameter :: format_version = 3
   !> Largest error of the length of a unit quaternion
   real(wp), parameter :: largest_drift = 1e-6_wp
 
@@ -46,7 +46,7 @@ module sg_restart
     character(len=:), allocatable :: deck_hash
     !> Fields of bodies and of contacts that files hold
     type(kept_field_t), allocatable :: bodies(:), contacts(:)
-    !> Positions at the last search for neighbours [m], any shape
+    !> Configuration at the making of the list of neighbours, and the margin of each body below it [m]
     real(wp), allocatable :: built(:, :)
     !> Sums kept over the run, such as works of forces
     real(wp), allocatable :: totals(:)
@@ -233,9 +233,9 @@ contains
 
     call fit_fields(state%bodies, 'velocity', scene%bodies%n_velocity, scene%dimension)
     call fit_fields(state%contacts, 'impulse', components, merge(1, 0, scene%dimension == 2))
-    if (size(state%built, 1) == scene%bodies%n_configuration()) return
+    if (size(state%built, 1) == scene%bodies%n_configuration() + 1) return
     deallocate (state%built)
-    allocate (state%built(scene%bodies%n_configuration(), 0))
+    allocate (state%built(scene%bodies%n_configuration() + 1, 0))
   end subroutine fit_state
 
   !> Read all datasets of an open file; of several ranks each its rows.

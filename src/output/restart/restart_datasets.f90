@@ -117,7 +117,7 @@ contains
     integer(i8), intent(in) :: n_bodies, n_contacts
     type(dataset_t), allocatable :: list(:)
 
-    list = [dataset_t('/time'), dataset_t('/built', like%n_configuration(), n_bodies), &
+    list = [dataset_t('/time'), dataset_t('/built', like%n_configuration() + 1, n_bodies), &
             datasets_of(file, '/bodies', like, n_bodies), &
             datasets_of(file, '/contacts', contacts, n_contacts)]
   end function datasets

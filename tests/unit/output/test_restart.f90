@@ -93,7 +93,7 @@ contains
     state%step = 1234
     state%time = 0.1_wp + 0.2_wp
     state%deck_hash = hash
-    state%built = reshape([(wide(random), i=1, size(scene%bodies%middle))], shape(scene%bodies%middle))
+    state%built = reshape([(wide(random), i=1, 4*n_bodies)], [4, n_bodies])
     state%totals = [(wide(random), i=1, 5)]
   end subroutine some_state
 
@@ -160,7 +160,7 @@ contains
     call some_fields(scene, contacts)
     call keep_state(scene%bodies, contacts, state)
     state%deck_hash = hash
-    allocate (state%built(size(scene%bodies%middle, 1), 0), state%totals(0))
+    allocate (state%built(size(scene%bodies%middle, 1) + 1, 0), state%totals(0))
     call write_restart(folder, state, alone, error)
     call read_restart(newest_restart(folder), other, alone, back, diagnostics, components=dimension, internal=2)
     call t%check(diagnostics%count() == 0 .and. .not. allocated(error), 'all fields are written and read')
@@ -260,7 +260,7 @@ contains
     call keep_state(scene%bodies, contacts, state)
     state%deck_hash = hash
     state%step = 2000
-    allocate (state%built(2, 0), state%totals(0))
+    allocate (state%built(3, 0), state%totals(0))
     call write_restart(folder, state, alone, error)
     call t%check(.not. allocated(error), 'a state without contacts is written')
     call read_restart(newest_restart(folder), scene, alone, back, diagnostics, components=1)
@@ -319,13 +319,13 @@ contains
     call contacts%resize(n_contacts)
     call keep_state(scene%bodies, contacts, state)
     state%deck_hash = hash
-    allocate (state%built(dimension, n_bodies), state%totals(0), source=1.0_wp)
+    allocate (state%built(dimension + 1, n_bodies), state%totals(0), source=1.0_wp)
     call write_restart(folder, state, alone, error)
     call t%check(.not. holds_spins(newest_restart(folder), dimension), 'no spins in the file')
     call read_restart(newest_restart(folder), other, alone, back, diagnostics, components=dimension)
     call t%equal(diagnostics%count(), 0, 'components of another stage are no error')
     if (diagnostics%count() > 0) return
-    call t%check(all(shape(back%built) == [other%bodies%n_configuration(), 0]), 'no list of neighbours')
+    call t%check(all(shape(back%built) == [other%bodies%n_configuration() + 1, 0]), 'no list of neighbours')
     call restore_state(back, other, recovered)
     call t%check(same(other%bodies%velocity(:dimension, :), scene%bodies%velocity), 'velocities of the other stage')
     call t%check(.not. any(abs(other%bodies%velocity(dimension + 1:, :)) > 0), 'no spin')
@@ -402,7 +402,7 @@ contains
       'damaged: it holds numbers that are not finite', 'damaged: it holds numbers that are not finite', &
       'damaged: it holds numbers that are not finite', 'damaged: it holds contacts in a state that there is none', &
       'damaged: it holds contacts with a value of image out of range', 'its step is -1', &
-      '/built has 7 rows of 3 numbers, not 50 of 3', &
+      '/built has 7 rows of 4 numbers, not 50 of 4', &
       '/contacts/contactor has 120 rows of 1 numbers, not 120 of 2', '/bodies/crossings has 49 rows of 1 numbers, not 50 of 1']
     type(scene_t) :: scene
     type(contacts_t) :: contacts

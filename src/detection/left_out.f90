@@ -1,0 +1,167 @@
+!> Contacts that a reduced alert distance has left out of a step, and that its solution may close (doc/theory/detection.md, "Alert
+!! distance").
+module sg_left_out
+  use sg_contacts, only: contacts_t
+  use sg_follow, only: follows
+  use sg_history, only: history_t
+  use sg_kinds, only: wp, i4
+  use sg_narrow_phase, only: path_of, touch_in_plane, touch_in_space
+  use sg_neighbours, only: neighbours_t, offset_of
+  use sg_pair_alert, only: alert_of_pair, closing_way, find_free_motion, find_motion, times
+  use sg_path_bound, only: is_clear
+  use sg_rotations, only: turned_by
+  use sg_scene, only: scene_t
+  use sg_shape_kinds, only: is_bounding
+  use sg_touch, only: touch_t
+  use sg_touch_space, only: touch_space_t
+  use sg_vectors, only: cross
+  use sg_way_of_step, only: way_of_solution
+  implicit none
+  private
+  public :: has_left_out
+
+contains
+
+  !> May the solution close a contact that was left out, but is within the whole alert distance?
+  !!
+  !! Contacts are sought up to twice the way of a pair with its free velocities, or farther. So only a pair of which a body has
+  !! changed its velocity much needs a look, and one known to be apart by more than its way with the solution none. Of the rest
+  !! the narrow phase finds the points within that way. One that the step does not have, and whose gap at the end of the step would
+  !! be negative, was left out; any other bears nothing, so the solution is that of all contacts.
+  logical function has_left_out(scene, pairs, history, contacts, velocity, slot_of, turns)
+    type(scene_t), intent(in) :: scene !! scene, its contactors placed as for the detection
+    type(neighbours_t), intent(inout) :: pairs !! list of neighbours with reduced alert distances; its motion may be set
+    type(history_t), intent(inout) :: history !! pairs and contacts of the detection; what is tried first may change
+    type(contacts_t), intent(in) :: contacts !! contacts of the detection
+    real(wp), intent(in), contiguous :: velocity(:, :) !! records of the bodies of the solution, which begin with velocity and spin
+    integer(i4), intent(in), contiguous :: slot_of(:) !! slot of each body
+    logical, intent(in) :: turns !! do the records have a spin that moves points towards others?
+    logical, allocatable :: is_thrown(:)
+    real(wp), allocatable :: motion(:, :)
+    real(wp) :: way
+    integer :: p
+
+    has_left_out = .false.
+    way = way_of_solution(scene, velocity, slot_of, turns, pairs%time_step)
+    if (.not. way > minval(pairs%least, pairs%least < pairs%alert)) return
+    if (.not. pairs%is_by_pair) call find_free_motion(scene, pairs)
+    call find_motion(scene, velocity, turns, pairs%time_step, motion, slot_of)
+    call find_thrown(pairs, motion, is_thrown)
+    if (.not. any(is_thrown)) return
+    do p = 1, pairs%n_near
+      associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors, &
+                 first => history%first(p), last => history%first(p + 1) - 1)
+        if (.not. (is_thrown(c) .or. is_thrown(a))) cycle
+        way = min(closing_way(motion, c, a), pairs%alert(pairs%see(p)))
+        if (way <= alert_of_pair(pairs, p)) cycle
+        if (last < first .and. are_clear(scene, pairs, history, p, way)) cycle
+        has_left_out = closes_another(scene, pairs, history, p, way, velocity(:, slot_of(contactors%body(c))), &
+                                      velocity(:, slot_of(contactors%body(a))), turns, contacts%feature(first:last))
+      end associate
+      if (has_left_out) return
+    end do
+  end function has_left_out
+
+  !> Has the motion of a shape changed so much that its pairs may come nearer to each other than was looked?
+  !!
+  !! Of a pair whose way is w with free velocities, at least max(l, 2 w) was looked at: w + l/2 or more.
+  pure subroutine find_thrown(pairs, motion, is_thrown)
+    type(neighbours_t), intent(in) :: pairs
+    real(wp), intent(in) :: motion(:, :) !! with the solution [m]
+    logical, allocatable, intent(out) :: is_thrown(:)
+    real(wp) :: limit, square
+    integer :: c, n
+
+    n = size(motion, 1)
+    limit = (1 - 1/times)/2*minval(pairs%least, pairs%least < pairs%alert)
+    allocate (is_thrown(size(motion, 2)))
+    do c = 1, size(motion, 2)
+      associate (free => pairs%motion(:, c)/times, now => motion(:, c))
+        square = (now(1) - free(1))**2 + (now(2) - free(2))**2
+        if (n == 4) square = square + (now(3) - free(3))**2
+        is_thrown(c) = sqrt(square) + max(0.0_wp, now(n) - free(n)) > limit
+      end associate
+    end do
+  end subroutine find_thrown
+
+  !> Are two shapes known to be farther from each other than a distance? By the spheres about them, or since they were found so.
+  pure logical function are_clear(scene, pairs, history, p, distance)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(in) :: history
+    integer, intent(in) :: p
+    real(wp), intent(in) :: distance
+    real(wp) :: apart(3)
+
+    are_clear = .false.
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      if (is_bounding(contactors%kind(a))) return
+      apart = -offset_of(scene, pairs, p)
+      apart(:scene%dimension) = apart(:scene%dimension) + contactors%centre(:, c) - contactors%centre(:, a)
+      are_clear = norm2(apart) > contactors%reach(c) + contactors%reach(a) + distance
+      if (contactors%kind(c) == contactors%kind(a) .and. follows(contactors%kind(c))) are_clear = are_clear .or. &
+        is_clear(history%clearance(p), path_of(contactors, c) + path_of(contactors, a), distance)
+    end associate
+  end function are_clear
+
+  !> Does a solution close a point of a pair that is not among its contacts?
+  logical function closes_another(scene, pairs, history, p, way, velocity_c, velocity_a, turns, known) result(closes)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    type(history_t), intent(inout) :: history
+    integer, intent(in) :: p
+    real(wp), intent(in) :: way !! gap from which no point can close [m]
+    real(wp), intent(in) :: velocity_c(:), velocity_a(:) !! velocities and spins of the solution, of candidate and antagonist
+    logical, intent(in) :: turns
+    integer(i4), intent(in) :: known(:) !! features of the contacts
+    type(touch_t) :: touch
+    type(touch_space_t) :: touch_space
+    real(wp) :: path
+    integer :: i
+
+    path = 0
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      if (contactors%kind(c) == contactors%kind(a) .and. follows(contactors%kind(c))) &
+        path = path_of(contactors, c) + path_of(contactors, a)
+    end associate
+    if (scene%dimension == 2) then
+      call touch_in_plane(scene, pairs, history, p, way, path, touch)
+      closes = any([(closes_at(touch%feature(i), touch%point(:, i), touch%normal(:, i), touch%gap(i)), i=1, touch%n)])
+    else
+      call touch_in_space(scene, pairs, history, p, way, path, touch_space)
+      closes = any([(closes_at(touch_space%feature(i), touch_space%point(:, i), touch_space%normal(:, i), touch_space%gap(i)), &
+                     i=1, touch_space%n)])
+    end if
+  contains
+    logical function closes_at(feature, point, normal, gap) result(closes)
+      integer(i4), intent(in) :: feature
+      real(wp), intent(in) :: point(:), normal(:), gap
+      real(wp) :: offset(3), speed
+
+      closes = .false.
+      if (any(known == feature)) return
+      offset = offset_of(scene, pairs, p)
+      associate (c => scene%contactors%body(pairs%contactor(1, p)), a => scene%contactors%body(pairs%contactor(2, p)), &
+                 n => scene%dimension)
+        speed = dot_product(normal, velocity_c(:n) - velocity_a(:n))
+        if (turns) speed = speed + speed_by_turn(scene%bodies%middle(:, c), velocity_c(n + 1:), point + gap/2*normal, normal) - &
+                           speed_by_turn(scene%bodies%middle(:, a), velocity_a(n + 1:), point - gap/2*normal - offset(:n), normal)
+      end associate
+      closes = gap + pairs%time_step*speed < 0
+    end function closes_at
+  end function closes_another
+
+  !> Speed of a point of a body along a direction by the body's spin [m/s].
+  pure real(wp) function speed_by_turn(middle, spin, point, direction) result(speed)
+    real(wp), intent(in) :: middle(:) !! configuration of the body
+    real(wp), intent(in) :: spin(:) !! its spin, in space about its principal axes, and perhaps more behind it [rad/s]
+    real(wp), intent(in) :: point(:) !! [m]
+    real(wp), intent(in) :: direction(:) !! unit vector
+
+    if (size(point) == 2) then
+      speed = spin(1)*((point(1) - middle(1))*direction(2) - (point(2) - middle(2))*direction(1))
+    else
+      speed = dot_product(cross(turned_by(middle(4:7), spin(:3)), point - middle(:3)), direction)
+    end if
+  end function speed_by_turn
+end module sg_left_out

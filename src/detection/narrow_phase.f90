@@ -1,0 +1,87 @@
+!> Narrow phase of one pair: points of contact of two shapes where their bodies are, with what is tried first of the pair.
+module sg_narrow_phase
+  use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, kind_sphere
+  use sg_history, only: history_t
+  use sg_kinds, only: wp, i4
+  use sg_neighbours, only: neighbours_t, offset_of
+  use sg_scene, only: scene_t
+  use sg_shrink_face, only: shrink_face
+  use sg_touch, only: touch_t
+  use sg_touch_pair, only: touch_pair
+  use sg_touch_space, only: touch_space_t
+  use sg_touch_space_pair, only: touch_space_pair
+  use sg_touch_sphere_sphere, only: touch_sphere_sphere
+  implicit none
+  private
+  public :: path_of, touch_in_plane, touch_in_space
+
+contains
+
+  !> Points of contact of a pair in the plane.
+  subroutine touch_in_plane(scene, pairs, history, p, alert, path, touch)
+    type(scene_t), intent(in) :: scene !! scene, its contactors placed
+    type(neighbours_t), intent(in) :: pairs !! list of neighbours
+    type(history_t), intent(inout) :: history !! the face that is tried first, and the clearance of the pair, are set
+    integer, intent(in) :: p !! pair that is no link
+    real(wp), intent(in) :: alert !! gap from which nothing is found [m]
+    real(wp), intent(in) :: path !! path lengths of two polygons, added [m]
+    type(touch_t), intent(inout) :: touch !! points found; none before
+    real(wp) :: shift(2), offset(3)
+
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      offset = offset_of(scene, pairs, p)
+      shift = offset(:2)
+      if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
+        call touch_pair(contactors, c, a, shift, alert, touch, scene%period, history%face(1, p), history%clearance(p))
+        history%clearance(p) = history%clearance(p) + path
+        if (scene%shrink > 0) call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
+      else if (contactors%kind(c) == kind_polygon) then
+        call touch_pair(contactors, c, a, shift, alert, touch, scene%period, history%face(1, p))
+      else
+        call touch_pair(contactors, c, a, shift, alert, touch, scene%period)
+      end if
+    end associate
+  end subroutine touch_in_plane
+
+  !> Points of contact of a pair in space.
+  subroutine touch_in_space(scene, pairs, history, p, alert, path, touch)
+    type(scene_t), intent(in) :: scene !! scene, its contactors placed
+    type(neighbours_t), intent(in) :: pairs !! list of neighbours
+    type(history_t), intent(inout) :: history !! the features that are tried first, and the clearance of the pair, are set
+    integer, intent(in) :: p !! pair that is no link
+    real(wp), intent(in) :: alert !! gap from which nothing is found [m]
+    real(wp), intent(in) :: path !! path lengths of two polyhedra, added [m]
+    type(touch_space_t), intent(inout) :: touch !! points found; none before
+    real(wp) :: offset(3), place(3)
+
+    offset = offset_of(scene, pairs, p)
+    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
+      if (contactors%kind(c) == kind_sphere .and. contactors%kind(a) == kind_sphere) then
+        ! One by one: of a number that is not known the compiler makes a loop, which waits for what has just been stored.
+        place(1) = contactors%centre(1, a) + offset(1)
+        place(2) = contactors%centre(2, a) + offset(2)
+        place(3) = contactors%centre(3, a) + offset(3)
+        call touch_sphere_sphere(contactors%centre(:, c), contactors%reach(c), place, contactors%reach(a), alert, touch)
+      else if (contactors%kind(c) == kind_polyhedron .and. contactors%kind(a) == kind_polyhedron) then
+        call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch, history%face(:, p), &
+                              history%clearance(p))
+        history%clearance(p) = history%clearance(p) + path
+        if (scene%shrink > 0) call shrink_face(touch%n, touch%normal, touch%point, touch%gap, scene%shrink)
+      else
+        call touch_space_pair(contactors, c, a, offset, alert, [scene%period, scene%period_y], touch)
+      end if
+    end associate
+  end subroutine touch_in_space
+
+  !> Length of the path of a polygon or polyhedron so far [m]: how much nearer to others its points may have come since the start.
+  pure real(wp) function path_of(contactors, c) result(path)
+    type(contactors_t), intent(in) :: contactors !! placed contactors
+    integer(i4), intent(in) :: c !! the one to look at
+
+    if (contactors%kind(c) == kind_polygon) then
+      path = contactors%polygon_path(contactors%row(c))
+    else
+      path = contactors%space%polyhedron_path(contactors%row(c))
+    end if
+  end function path_of
+end module sg_narrow_phase
