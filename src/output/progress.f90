@@ -7,12 +7,14 @@ module sg_progress
   use sg_timers, only: wall_now
   implicit none
   private
-  public :: progress_t, duration_text, line_interval
+  public :: progress_t, duration_text, line_interval, recent_pace
 
   !> Wall seconds between two lines, and between two drawings of the bar
   real(wp), parameter :: seconds_between_lines = 5.0_wp, seconds_between_bars = 0.2_wp
   !> Lines get rarer: they wait for this share of the time since the start, but never longer than ten minutes [s]
   real(wp), parameter :: waiting_share = 0.05_wp, longest_wait = 600.0_wp
+  !> Seconds per step are a mean over about this share of the time since the start, but at least so long [s]
+  real(wp), parameter :: mean_share = 0.1_wp, shortest_mean = 2.0_wp
   !> Letters of the bar, and of the whole line that is redrawn
   integer, parameter :: bar_width = 20, line_width = 110
 
@@ -26,6 +28,11 @@ module sg_progress
     logical, private :: on_terminal = .false., is_quiet = .false., is_drawn = .false.
     !> Wall clock at the start and when progress was last shown [s]
     real(wp), private :: started = 0, shown = 0
+    !> Steps done when progress was last shown, and seconds per step of late [s]
+    integer, private :: shown_step = 0
+    real(wp), private :: pace = 0
+    !> Does the last step end a stage of the run rather than the run?
+    logical, private :: is_stage = .false.
     !> Name of the stopping criterion
     character(len=:), allocatable, private :: criterion
   contains
@@ -38,7 +45,7 @@ module sg_progress
 contains
 
   !> Begin.
-  subroutine progress_start(self, unit, first_step, last_step, criterion, on_terminal, is_quiet)
+  subroutine progress_start(self, unit, first_step, last_step, criterion, on_terminal, is_quiet, is_stage)
     class(progress_t), intent(inout) :: self
     integer, intent(in) :: unit !! open unit to write on
     integer, intent(in) :: first_step !! number of steps done before this run
@@ -46,6 +53,7 @@ contains
     character(len=*), intent(in) :: criterion !! name of the stopping criterion
     logical, intent(in) :: on_terminal !! is the unit a terminal?
     logical, intent(in) :: is_quiet !! print nothing at all
+    logical, intent(in), optional :: is_stage !! is the last step that of a stage? Otherwise that of the run
 
     self%unit = unit
     self%first_step = first_step
@@ -56,6 +64,10 @@ contains
     self%is_drawn = .false.
     self%started = wall_now()
     self%shown = self%started
+    self%shown_step = first_step
+    self%pace = 0
+    self%is_stage = .false.
+    if (present(is_stage)) self%is_stage = is_stage
   end subroutine progress_start
 
   !> Is it time to show progress again?
@@ -87,19 +99,20 @@ contains
     character(len=line_width) :: line
 
     if (self%is_quiet) return
-    self%shown = wall_now()
-    left = duration_text(remaining(self%shown - self%started, step - self%first_step, self%last_step - step))
+    call keep_pace(self, step)
+    left = duration_text(self%pace*real(max(0, self%last_step - step), wp))//' left'
+    if (self%is_stage) left = left//' of the stage'
     text = to_text(contacts)//' contacts, '//to_text(report%sweeps)//' sweeps, '//self%criterion//' '// &
            to_text(report%criterion, 2)//merge(' ', '!', report%is_converged)
     if (self%on_terminal) then
       text = bar(real(step - self%first_step, wp)/real(max(1, self%last_step - self%first_step), wp))//' step '// &
-             to_text(step)//'/'//to_text(self%last_step)//', '//text//' '//left//' left'
+             to_text(step)//'/'//to_text(self%last_step)//', '//text//' '//left
       line = text
       call print_line(achar(13)//line, self%unit, is_open=.true.)
       self%is_drawn = .true.
     else
       call print_line('step '//to_text(step)//' of '//to_text(self%last_step)//', time '//to_text(time, 4)// &
-        ' s, '//text//', kinetic energy '//to_text(kinetic_energy, 3)//' J, '//left//' left', self%unit)
+        ' s, '//text//', kinetic energy '//to_text(kinetic_energy, 3)//' J, '//left, self%unit)
     end if
   end subroutine progress_show
 
@@ -111,13 +124,34 @@ contains
     self%is_drawn = .false.
   end subroutine progress_finish
 
-  !> Seconds left when `done` steps took `elapsed` seconds.
-  pure real(wp) function remaining(elapsed, done, to_do)
-    real(wp), intent(in) :: elapsed
-    integer, intent(in) :: done, to_do
+  !> Note when progress is shown, and the seconds per step of late.
+  subroutine keep_pace(self, step)
+    class(progress_t), intent(inout) :: self
+    integer, intent(in) :: step
+    real(wp) :: now
 
-    remaining = elapsed*real(max(0, to_do), wp)/real(max(1, done), wp)
-  end function remaining
+    now = wall_now()
+    self%pace = recent_pace(self%pace, now - self%started, now - self%shown, step - self%shown_step)
+    self%shown = now
+    self%shown_step = step
+  end subroutine keep_pace
+
+  !> Seconds per step of late: steps that grow dearer, as those of a bed that is poured, make the mean since the start too low. An
+  !! exponential mean over a tenth of the time since the start.
+  pure real(wp) function recent_pace(before, elapsed, latest, steps) result(pace)
+    real(wp), intent(in) :: before !! seconds per step, the mean so far [s]
+    real(wp), intent(in) :: elapsed !! time since the start [s]
+    real(wp), intent(in) :: latest !! duration of the latest steps [s]
+    integer, intent(in) :: steps !! number of these; 0 leaves the mean as it is
+    real(wp) :: memory, share
+
+    pace = before
+    if (steps < 1) return
+    memory = max(0.0_wp, min(elapsed - latest, max(shortest_mean, mean_share*elapsed)))
+    share = 1
+    if (memory > 0) share = latest/(latest + memory)
+    pace = before + share*(latest/real(steps, wp) - before)
+  end function recent_pace
 
   !> A bar filled to a share, and the share in percent.
   pure function bar(share) result(text)

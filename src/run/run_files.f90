@@ -66,7 +66,8 @@ contains
     if (sim%writers%has_pictures) call open_pictures(sim, resumes, error)
     if (allocated(error)) return
     call sim%writers%progress%start(output_unit, sim%step, sim%options%steps, trim(criterion_names(sim%options%solver%criterion)), &
-                                is_terminal() .and. sim%comm%size == 1, sim%options%is_quiet .or. .not. sim%writers%is_root)
+                                    is_terminal() .and. sim%comm%size == 1, sim%options%is_quiet .or. .not. sim%writers%is_root, &
+                                    sim%stages%number > 0)
   end subroutine open_files
 
   !> Note which files this run writes, and remove those of a former run in its folder; where this run goes on with them, run.json

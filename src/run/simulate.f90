@@ -20,6 +20,7 @@ module sg_simulate
   use sg_run_options, only: criterion_names, run_options_t
   use sg_run_summary, only: ranks_words
   use sg_simulation, only: decompose, simulation_t, start_simulation
+  use sg_stages, only: stages_t
   use sg_system, only: stop_signal
   use sg_text, only: counted, to_text
   use sg_timers, only: wall_now
@@ -92,7 +93,7 @@ contains
       if (sim%options%title /= '') call print_line('title      '//sim%options%title)
     end if
     call print_line(describe_plan(sim%plan, sim%scene, sim%comm%size))
-    call print_line(describe_run(sim%options, sim%comm))
+    call print_line(describe_run(sim%options, sim%stages, sim%comm))
     if (sim%stages%number > 0) call print_line(describe_stage(sim))
   end subroutine print_opening
 
@@ -135,8 +136,9 @@ contains
   end subroutine end_stage
 
   !> Solver, outputs and number of steps, in a few lines.
-  function describe_run(options, comm) result(text)
+  function describe_run(options, stages, comm) result(text)
     type(run_options_t), intent(in) :: options
+    type(stages_t), intent(in) :: stages
     type(comm_t), intent(in) :: comm
     character(len=:), allocatable :: text, at_end
 
@@ -150,8 +152,7 @@ contains
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
            //trim(merge(' sweeps    ', ' iterations', is_swept(options%solver%method)))//new_line('a') &
            //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
-           //every('checkpoints', options%restart_every)//at_end//new_line('a')//'time       ' &
-           //to_text(options%steps)//' steps of '//to_text(options%time_step, 4)//' s'//substeps(options%substeps) &
+           //every('checkpoints', options%restart_every)//at_end//new_line('a')//'time       '//steps() &
            //'; results in '//options%folder
   contains
     pure function every(what, steps)
@@ -163,6 +164,16 @@ contains
       if (steps == 1) every = what//' every step'
       if (steps > 1) every = what//' every '//to_text(steps)//' steps'
     end function every
+
+    pure function steps()
+      character(len=:), allocatable :: steps
+
+      if (stages%number > 0) then
+        steps = counted(size(stages%list), 'stage')//', at most '//to_text(stages%all_steps())//' steps'
+      else
+        steps = to_text(options%steps)//' steps of '//to_text(options%time_step, 4)//' s'//substeps(options%substeps)
+      end if
+    end function steps
 
     pure function substeps(number)
       integer, intent(in) :: number

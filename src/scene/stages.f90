@@ -54,6 +54,7 @@ module sg_stages
   contains
     procedure :: place => stages_place
     procedure :: last_step => stages_last_step
+    procedure :: all_steps => stages_all_steps
     procedure :: go_on => stages_go_on
     procedure :: note => stages_note
     procedure :: pack => stages_pack
@@ -106,6 +107,17 @@ contains
     end associate
     step = max(step, self%step)
   end function stages_last_step
+
+  !> Steps of all stages together, if none ends early.
+  pure integer function stages_all_steps(self) result(steps)
+    class(stages_t), intent(in) :: self
+    integer :: i
+
+    steps = 0
+    do i = 1, size(self%list)
+      steps = min(self%most_steps, steps + min(self%list(i)%most_steps, huge(0) - steps))
+    end do
+  end function stages_all_steps
 
   !> Is there a stage after the present one, which is done?
   pure logical function stages_go_on(self) result(go_on)

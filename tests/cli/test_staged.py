@@ -179,6 +179,7 @@ class Staged(ProgramCase):
         self.assertEqual([stage["last_step"] for stage in self.stages()], ends)
         self.assertEqual(ceil(1.0005 / 10 * 1000), ends[0])
         self.assertTrue(self.stages()[1]["reason"].startswith('end condition "velocity_y(plate) < -2.0005" at 2.030E-01 s: '))
+        self.assertIn("time       3 stages, at most 1000 steps; results in", said)
         self.assertIn('stage      1 ended after 101 steps, time 1.010E-01 s (end condition "max_velocity > 1.0005"', said)
         run = json.loads((self.place / "out/run.json").read_text())
         self.assertEqual([run["status"], run["stop_condition"], run["steps"]], ["done", "time > 0", 238])

@@ -8,7 +8,7 @@ program test_record
   use sg_kinds, only: wp, i8, pi
   use sg_measures, only: measures_t, unmeasured
   use sg_numbers, only: write_numbers
-  use sg_progress, only: duration_text, progress_t
+  use sg_progress, only: duration_text, progress_t, recent_pace
   use sg_record, only: record_columns, record_t
   use sg_report, only: report_t
   use sg_run_options, only: run_options_t
@@ -33,6 +33,7 @@ program test_record
   call test_summary_in_space()
   call test_verdict()
   call test_progress()
+  call test_pace()
   call t%finish()
 
 contains
@@ -435,7 +436,7 @@ contains
     report%sweeps = 30
     report%is_converged = .false.
     open (newunit=unit, file='progress.txt', status='replace', action='write')
-    call progress%start(unit, 100, 200, 'e8', .false., .false.)
+    call progress%start(unit, 100, 200, 'e8', .false., .false., is_stage=.true.)
     call t%check(.not. progress%is_due(), 'no line at once')
     call progress%show(150, 0.25_wp, 12, report, 1.5_wp)
     call progress%finish()
@@ -452,5 +453,32 @@ contains
     call t%check(index(lines(2)%s, achar(13)//'[==========          ]  50%') == 1, 'half a bar: '//lines(2)%s)
     call t%check(index(lines(2)%s, achar(13)//'[====================] 100%') > 1, 'a full bar')
     call t%check(duration_text(3725.0_wp) == '1:02:05' .and. duration_text(59.6_wp) == '1:00', 'durations')
+    call t%check(index(lines(1)%s, ' left of the stage') == len(lines(1)%s) - 17, 'what is left of a stage: '//lines(1)%s)
+    call t%check(index(lines(2)%s, ' left') > 0 .and. index(lines(2)%s, 'stage') == 0, 'what is left of a run')
   end subroutine test_progress
+
+  !> Steps that all cost the same: their cost, whenever it is shown. Steps whose cost grows as their number (0.2 ms times n, so that
+  !! n steps take 1e-4 n^2 s, as a bed that is poured): the mean since the start is half the cost of the present step, that of a
+  !! tenth of the time within a sixth below it. Steps ten times dearer from one second on: within 1 % after ten tenths.
+  subroutine test_pace()
+    real(wp) :: pace, growing, elapsed
+    integer :: n
+
+    pace = recent_pace(0.0_wp, 5.0_wp, 5.0_wp, 50)
+    call t%near(pace, 0.1_wp, 1e-15_wp, 'the first steps')
+    call t%near(recent_pace(pace, 10.0_wp, 5.0_wp, 50), 0.1_wp, 1e-15_wp, 'steps of one cost')
+    call t%near(recent_pace(pace, 10.0_wp, 5.0_wp, 0), 0.1_wp, 1e-15_wp, 'no step since')
+    growing = 0
+    do n = 50, 5000, 50
+      growing = recent_pace(growing, 1e-4_wp*real(n, wp)**2, 1e-4_wp*(real(n, wp)**2 - real(n - 50, wp)**2), 50)
+    end do
+    call t%check(growing > 2e-4_wp*5000*5/6 .and. growing < 2e-4_wp*5000, 'steps that grow dearer')
+    elapsed = 100
+    pace = 0.1_wp
+    do n = 1, 100
+      elapsed = elapsed + 1
+      pace = recent_pace(pace, elapsed, 1.0_wp, 1)
+    end do
+    call t%near(pace, 1.0_wp, 0.01_wp, 'dearer from one second on')
+  end subroutine test_pace
 end program test_record
