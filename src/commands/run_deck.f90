@@ -91,8 +91,10 @@ contains
     present_request = request
     if (len(request%restart) > 0) call read_stages(request%restart, sim%stages)
     do
+      call sim%preparation%start()
       call read_scene(present_request, sim, is_bad, error)
       if (.not. (is_bad .or. allocated(error))) call check_stages(sim, error)
+      call sim%preparation%stop()
       if (is_bad) code = exit_bad_input
       if (is_bad .or. allocated(error)) exit
       if (request%walltime > 0) sim%options%deadline = start + request%walltime
@@ -131,6 +133,7 @@ contains
     sim%stages%are_checked = .true.
     sim%stages%step = former%step
     sim%stages%time = former%time()
+    sim%preparation = former%preparation
     sim%effort = former%effort
     sim%gluing_traffic = former%gluing_traffic
     sim%writers%measures = former%writers%measures

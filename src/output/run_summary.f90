@@ -40,7 +40,7 @@ module sg_run_summary
     real(wp) :: least_updates = 0, mean_updates = 0, most_updates = 0, imbalance = 1
     !> Messages and bytes that all subdomains together send at a gluing, in the mean
     real(wp) :: messages = 0, bytes = 0
-    !> Wall seconds that a subdomain waited for others: mean and most
+    !> Wall seconds that a subdomain waited for others: mean and most; 0 where all share one process
     real(wp) :: mean_wait = 0, most_wait = 0
     !> Largest memory of a rank, and of all ranks together [byte]
     real(wp) :: most_memory = 0, all_memory = 0
@@ -77,6 +77,8 @@ module sg_run_summary
     real(wp) :: time = 0
     !> Cost and convergence
     type(totals_t) :: totals
+    !> Decks read and scenes made: CPU seconds of all ranks together, wall seconds of the slowest
+    real(wp) :: start_cpu = 0, start_wall = 0
     !> Indicators of the last measure
     type(measures_t) :: measures
     !> Bodies of the deepest penetration and of the largest violation, by name or number
@@ -146,8 +148,11 @@ contains
     self%most_updates = maxval(all(1, :))
     self%imbalance = 1
     if (self%mean_updates > 0) self%imbalance = self%most_updates/self%mean_updates
-    self%mean_wait = sum(all(2, :))/real(comm%size, wp)
-    self%most_wait = maxval(all(2, :))
+    ! Subdomains of one process work in turns: where none works, the machine does something else.
+    if (comm%n_processes() > 1) then
+      self%mean_wait = sum(all(2, :))/real(comm%size, wp)
+      self%most_wait = maxval(all(2, :))
+    end if
     self%most_memory = maxval(all(3, :))
     self%all_memory = sum(all(3, :))
     self%messages = sum(all(4, :))/real(max(1_i8, self%gluings), wp)
@@ -235,6 +240,8 @@ contains
     if (.not. summary%is_root) return
     call add_identity(json, summary)
     call add_totals(json, summary%totals)
+    call json%add('start_cpu_seconds', summary%start_cpu)
+    call json%add('start_wall_seconds', summary%start_wall)
     call add_moment(json, 'worst_penetration_', summary%totals%penetration_at, summary%dimension, summary%penetration_bodies)
     call add_moment(json, 'worst_violation_', summary%totals%violation_at, summary%dimension, summary%violation_bodies)
     if (summary%stages%number > 0) call add_stages(json, summary%stages)

@@ -74,6 +74,8 @@ contains
                   ' of the weight')
       end if
       call line('cost', fixed(totals%clock%cpu, 2)//' s CPU ('//phase_words(totals)//'), '//fixed(totals%clock%wall, 2)//' s wall')
+      call line('start', fixed(summary%start_cpu, 2)//' s CPU, '//fixed(summary%start_wall, 2)//' s wall, for deck and scene'// &
+                start_words(summary))
       call line('solver', effort_words(totals, is_swept(summary%method)))
       if (summary%subdomains > 1) then
         call line('ranks', ranks_words(summary%subdomains, summary%ranks)//' by '//split_words(summary))
@@ -178,6 +180,16 @@ contains
               ' per '//trim(unit_word(summary))//', imbalance '//fixed(shared%imbalance, 2)
     end associate
   end function split_words
+
+  !> How often decks are read and scenes made.
+  pure function start_words(summary) result(words)
+    type(run_summary_t), intent(in) :: summary
+    character(len=:), allocatable :: words
+
+    words = ''
+    if (summary%subdomains > 1) words = ' by each of '//to_text(summary%subdomains)//' subdomains'
+    if (summary%stages%number > 1) words = words//', again in each stage'
+  end function start_words
 
   !> What gluing cost.
   pure function gluing_words(summary) result(words)

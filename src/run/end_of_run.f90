@@ -110,6 +110,12 @@ contains
       shared%moved = subdomain%moved
       call shared%collect(sim%comm, sim%effort, sim%gluing_traffic%messages, sim%gluing_traffic%bytes)
     end associate
+    associate (summary => sim%writers%summary)
+      summary%start_cpu = sim%preparation%cpu
+      summary%start_wall = sim%preparation%wall
+      call sim%comm%sum(summary%start_cpu)
+      call sim%comm%maximum(summary%start_wall)
+    end associate
   end subroutine collect_costs
 
   !> Print the verdict, and the table of traces. A run that failed before its first step has its error alone, and the trace of that

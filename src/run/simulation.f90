@@ -33,6 +33,7 @@ module sg_simulation
   use sg_step_start, only: step_start_t
   use sg_stop, only: stop_t
   use sg_text, only: text_t, to_text
+  use sg_timers, only: timer_t
   use sg_totals, only: totals_t
   use sg_tracks, only: tracks_t
   use sg_writers, only: writers_t
@@ -74,6 +75,8 @@ module sg_simulation
     !> Works and costs since the start
     type(energy_t) :: energy
     type(totals_t) :: totals
+    !> Time spent on decks and scenes before steps, of all stages in this process
+    type(timer_t) :: preparation
     !> Tracked bodies, and conditions that end the run
     type(tracks_t) :: tracks
     !> Regions in which indicators are measured

@@ -4,6 +4,7 @@
 import csv
 import json
 import re
+import resource
 import sys
 import unittest
 from pathlib import Path
@@ -142,6 +143,25 @@ class Samples(ProgramCase):
         self.assertEqual(found[0], found[1])
         flat = self.message(SCENE + SAMPLE.replace("SIZE", sieve + "\nelongation = [1.0, 2.0]\nflatness = [1.0, 2.5]"))
         self.assertIn('"flatness" is at most "elongation"', flat)
+
+    def test_cost_of_the_start(self):
+        """What is reported as CPU time of steps and of the start is the CPU time of the process; each subdomain makes all stones, and
+        waits for nothing, since all share one process."""
+        if not self.has_library("Qhull"):
+            self.skipTest("random polyhedra are hulls, which a program without Qhull cannot make")
+        deck, start = SCENE + SAMPLE.replace("SIZE", 'curve = "ballast_a"').replace("150", "600"), {}
+        for parts in (1, 6):
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            self.run_deck(deck, "--set", f"partition.parts={parts}")
+            after, run = resource.getrusage(resource.RUSAGE_CHILDREN), self.run_json()
+            used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+            start[parts] = run["start_cpu_seconds"]
+            reported = start[parts] + run["cpu_seconds"]
+            # Both clocks have a resolution of 10 ms at worst; loading the program and reading its keys is not in what is reported.
+            self.assertLess(reported, used + 0.05)
+            self.assertGreater(reported, 0.6 * used - 0.1)
+        self.assertGreater(start[6], 3 * start[1])
+        self.assertEqual([run["wait_seconds_mean"], run["wait_seconds_max"]], [0, 0])
 
     def test_together(self):
         """Samples in one box do not overlap, in a periodic one neither: overlaps at the start are warned of."""
