@@ -7,14 +7,14 @@ module sg_progress
   use sg_timers, only: wall_now
   implicit none
   private
-  public :: progress_t, duration_text, line_interval, recent_pace
+  public :: progress_t, duration_text, line_interval, add_recent
 
   !> Wall seconds between two lines, and between two drawings of the bar
   real(wp), parameter :: seconds_between_lines = 5.0_wp, seconds_between_bars = 0.2_wp
   !> Lines get rarer: they wait for this share of the time since the start, but never longer than ten minutes [s]
   real(wp), parameter :: waiting_share = 0.05_wp, longest_wait = 600.0_wp
-  !> Seconds per step are a mean over about this share of the time since the start, but at least so long [s]
-  real(wp), parameter :: mean_share = 0.1_wp, shortest_mean = 2.0_wp
+  !> Steps count as recent for about this share of the time since the start, but at least so long [s]
+  real(wp), parameter :: mean_share = 0.1_wp, shortest_mean = 60.0_wp
   !> Letters of the bar, and of the whole line that is redrawn
   integer, parameter :: bar_width = 20, line_width = 110
 
@@ -28,9 +28,9 @@ module sg_progress
     logical, private :: on_terminal = .false., is_quiet = .false., is_drawn = .false.
     !> Wall clock at the start and when progress was last shown [s]
     real(wp), private :: started = 0, shown = 0
-    !> Steps done when progress was last shown, and seconds per step of late [s]
+    !> Steps done when progress was last shown; seconds of recent steps, and their number
     integer, private :: shown_step = 0
-    real(wp), private :: pace = 0
+    real(wp), private :: recent(2) = 0
     !> Does the last step end a stage of the run rather than the run?
     logical, private :: is_stage = .false.
     !> Name of the stopping criterion
@@ -65,7 +65,7 @@ contains
     self%started = wall_now()
     self%shown = self%started
     self%shown_step = first_step
-    self%pace = 0
+    self%recent = 0
     self%is_stage = .false.
     if (present(is_stage)) self%is_stage = is_stage
   end subroutine progress_start
@@ -99,8 +99,8 @@ contains
     character(len=line_width) :: line
 
     if (self%is_quiet) return
-    call keep_pace(self, step)
-    left = duration_text(self%pace*real(max(0, self%last_step - step), wp))//' left'
+    call keep_recent(self, step)
+    left = duration_text(self%recent(1)/max(1.0_wp, self%recent(2))*real(max(0, self%last_step - step), wp))//' left'
     if (self%is_stage) left = left//' of the stage'
     text = to_text(contacts)//' contacts, '//to_text(report%sweeps)//' sweeps, '//self%criterion//' '// &
            to_text(report%criterion, 2)//merge(' ', '!', report%is_converged)
@@ -124,34 +124,28 @@ contains
     self%is_drawn = .false.
   end subroutine progress_finish
 
-  !> Note when progress is shown, and the seconds per step of late.
-  subroutine keep_pace(self, step)
+  !> Take what is done since progress was last shown into the time and the number of recent steps: steps that grow dearer, as those
+  !! of a bed that is poured, make the mean since the start too low. Both sums fade alike, within a tenth of the time since the
+  !! start, so that a dear step counts as one step.
+  subroutine keep_recent(self, step)
     class(progress_t), intent(inout) :: self
     integer, intent(in) :: step
     real(wp) :: now
 
     now = wall_now()
-    self%pace = recent_pace(self%pace, now - self%started, now - self%shown, step - self%shown_step)
+    call add_recent([now - self%shown, real(step - self%shown_step, wp)], now - self%started, self%recent)
     self%shown = now
     self%shown_step = step
-  end subroutine keep_pace
+  end subroutine keep_recent
 
-  !> Seconds per step of late: steps that grow dearer, as those of a bed that is poured, make the mean since the start too low. An
-  !! exponential mean over a tenth of the time since the start.
-  pure real(wp) function recent_pace(before, elapsed, latest, steps) result(pace)
-    real(wp), intent(in) :: before !! seconds per step, the mean so far [s]
+  !> Add the latest seconds and steps to sums of recent ones, which fade.
+  pure subroutine add_recent(latest, elapsed, recent)
+    real(wp), intent(in) :: latest(2) !! duration of the latest steps [s], and their number
     real(wp), intent(in) :: elapsed !! time since the start [s]
-    real(wp), intent(in) :: latest !! duration of the latest steps [s]
-    integer, intent(in) :: steps !! number of these; 0 leaves the mean as it is
-    real(wp) :: memory, share
+    real(wp), intent(inout) :: recent(2) !! the same of recent steps
 
-    pace = before
-    if (steps < 1) return
-    memory = max(0.0_wp, min(elapsed - latest, max(shortest_mean, mean_share*elapsed)))
-    share = 1
-    if (memory > 0) share = latest/(latest + memory)
-    pace = before + share*(latest/real(steps, wp) - before)
-  end function recent_pace
+    recent = recent*exp(-latest(1)/max(shortest_mean, mean_share*elapsed)) + latest
+  end subroutine add_recent
 
   !> A bar filled to a share, and the share in percent.
   pure function bar(share) result(text)

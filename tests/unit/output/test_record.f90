@@ -8,7 +8,7 @@ program test_record
   use sg_kinds, only: wp, i8, pi
   use sg_measures, only: measures_t, unmeasured
   use sg_numbers, only: write_numbers
-  use sg_progress, only: duration_text, progress_t, recent_pace
+  use sg_progress, only: add_recent, duration_text, progress_t
   use sg_record, only: record_columns, record_t
   use sg_report, only: report_t
   use sg_run_options, only: run_options_t
@@ -33,7 +33,7 @@ program test_record
   call test_summary_in_space()
   call test_verdict()
   call test_progress()
-  call test_pace()
+  call test_recent_steps()
   call t%finish()
 
 contains
@@ -389,9 +389,9 @@ contains
     call print_verdict(unit, concluded())
     close (unit)
     call read_lines('verdict.txt', lines, error)
-    call t%equal(size(lines), 10, 'a verdict of ten lines')
+    call t%equal(size(lines), 11, 'a verdict of eleven lines')
     call t%check(index(lines(1)%s, 'done: 1 of 1 steps') == 1, 'how it ended: '//lines(1)%s)
-    call t%check(index(lines(10)%s, 'record.csv in results') > 0, 'what to open: '//lines(10)%s)
+    call t%check(index(lines(11)%s, 'record.csv in results') > 0, 'what to open: '//lines(11)%s)
     call test_advice()
   end subroutine test_verdict
 
@@ -457,28 +457,34 @@ contains
     call t%check(index(lines(2)%s, ' left') > 0 .and. index(lines(2)%s, 'stage') == 0, 'what is left of a run')
   end subroutine test_progress
 
-  !> Steps that all cost the same: their cost, whenever it is shown. Steps whose cost grows as their number (0.2 ms times n, so that
-  !! n steps take 1e-4 n^2 s, as a bed that is poured): the mean since the start is half the cost of the present step, that of a
-  !! tenth of the time within a sixth below it. Steps ten times dearer from one second on: within 1 % after ten tenths.
-  subroutine test_pace()
-    real(wp) :: pace, growing, elapsed
+  !> Seconds per step of late. Steps that all cost the same: their cost. Steps whose cost grows as their number (0.2 ms times n, so
+  !! that n steps take 1e-4 n^2 s, as a bed that is poured): the mean since the start is half the cost of the present step; that
+  !! of a tenth of the time, of steps of cost c(t) ~ sqrt(t), is below it by about a twentieth. One step in a hundred that costs
+  !! a hundred times as much, shown alone: no more than a step in a hundred. Steps ten times dearer from some time on: within 1 %
+  !! after ten times the memory.
+  subroutine test_recent_steps()
+    real(wp) :: recent(2), elapsed
     integer :: n
 
-    pace = recent_pace(0.0_wp, 5.0_wp, 5.0_wp, 50)
-    call t%near(pace, 0.1_wp, 1e-15_wp, 'the first steps')
-    call t%near(recent_pace(pace, 10.0_wp, 5.0_wp, 50), 0.1_wp, 1e-15_wp, 'steps of one cost')
-    call t%near(recent_pace(pace, 10.0_wp, 5.0_wp, 0), 0.1_wp, 1e-15_wp, 'no step since')
-    growing = 0
+    recent = 0
+    call add_recent([5.0_wp, 50.0_wp], 5.0_wp, recent)
+    call t%near(recent(1)/recent(2), 0.1_wp, 1e-15_wp, 'the first steps')
+    call add_recent([5.0_wp, 50.0_wp], 10.0_wp, recent)
+    call t%near(recent(1)/recent(2), 0.1_wp, 1e-15_wp, 'steps of one cost')
+    recent = 0
     do n = 50, 5000, 50
-      growing = recent_pace(growing, 1e-4_wp*real(n, wp)**2, 1e-4_wp*(real(n, wp)**2 - real(n - 50, wp)**2), 50)
+      call add_recent([1e-4_wp*(real(n, wp)**2 - real(n - 50, wp)**2), 50.0_wp], 1e-4_wp*real(n, wp)**2, recent)
     end do
-    call t%check(growing > 2e-4_wp*5000*5/6 .and. growing < 2e-4_wp*5000, 'steps that grow dearer')
+    call t%check(recent(1)/recent(2) > 0.9_wp*1.0_wp .and. recent(1)/recent(2) < 1, 'steps that grow dearer')
+    recent = [9.9_wp, 99.0_wp]
+    call add_recent([10.0_wp, 1.0_wp], 1000.0_wp, recent)
+    call t%near(recent(1)/recent(2), 19.9_wp/100, 0.02_wp, 'one dear step counts as one')
+    recent = [10.0_wp, 100.0_wp]
     elapsed = 100
-    pace = 0.1_wp
-    do n = 1, 100
+    do n = 1, 600
       elapsed = elapsed + 1
-      pace = recent_pace(pace, elapsed, 1.0_wp, 1)
+      call add_recent([1.0_wp, 1.0_wp], elapsed, recent)
     end do
-    call t%near(pace, 1.0_wp, 0.01_wp, 'dearer from one second on')
-  end subroutine test_pace
+    call t%near(recent(1)/recent(2), 1.0_wp, 0.01_wp, 'dearer from some time on')
+  end subroutine test_recent_steps
 end program test_record
