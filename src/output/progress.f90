@@ -111,6 +111,8 @@ contains
       call print_line(achar(13)//line, self%unit, is_open=.true.)
       self%is_drawn = .true.
     else
+      if (.not. report%is_converged .and. report%worst_speed > 0) &
+        text = text//' (a contact breaks its law by '//to_text(report%worst_speed, 2)//' m/s)'
       call print_line('step '//to_text(step)//' of '//to_text(self%last_step)//', time '//to_text(time, 4)// &
         ' s, '//text//', kinetic energy '//to_text(kinetic_energy, 3)//' J, '//left, self%unit)
     end if

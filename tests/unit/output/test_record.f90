@@ -435,6 +435,7 @@ contains
 
     report%sweeps = 30
     report%is_converged = .false.
+    report%worst_speed = 2
     open (newunit=unit, file='progress.txt', status='replace', action='write')
     call progress%start(unit, 100, 200, 'e8', .false., .false., is_stage=.true.)
     call t%check(.not. progress%is_due(), 'no line at once')
@@ -453,6 +454,7 @@ contains
     call t%check(index(lines(2)%s, achar(13)//'[==========          ]  50%') == 1, 'half a bar: '//lines(2)%s)
     call t%check(index(lines(2)%s, achar(13)//'[====================] 100%') > 1, 'a full bar')
     call t%check(duration_text(3725.0_wp) == '1:02:05' .and. duration_text(59.6_wp) == '1:00', 'durations')
+    call t%check(index(lines(1)%s, 'e8 0.0E+00! (a contact breaks its law by 2.0E+00 m/s), kinetic') > 0, 'why: '//lines(1)%s)
     call t%check(index(lines(1)%s, ' left of the stage') == len(lines(1)%s) - 17, 'what is left of a stage: '//lines(1)%s)
     call t%check(index(lines(2)%s, ' left') > 0 .and. index(lines(2)%s, 'stage') == 0, 'what is left of a run')
   end subroutine test_progress
