@@ -101,7 +101,6 @@ contains
     if (self%is_quiet) return
     call keep_recent(self, step)
     left = duration_text(self%recent(1)/max(1.0_wp, self%recent(2))*real(max(0, self%last_step - step), wp))//' left'
-    if (self%is_stage) left = left//' of the stage'
     text = to_text(contacts)//' contacts, '//to_text(report%sweeps)//' sweeps, '//self%criterion//' '// &
            to_text(report%criterion, 2)//merge(' ', '!', report%is_converged)
     if (self%on_terminal) then
@@ -111,6 +110,7 @@ contains
       call print_line(achar(13)//line, self%unit, is_open=.true.)
       self%is_drawn = .true.
     else
+      if (self%is_stage) left = left//' of the stage'
       if (.not. report%is_converged .and. report%worst_speed > 0) &
         text = text//' (a contact breaks its law by '//to_text(report%worst_speed, 2)//' m/s)'
       call print_line('step '//to_text(step)//' of '//to_text(self%last_step)//', time '//to_text(time, 4)// &

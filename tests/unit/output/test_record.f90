@@ -441,7 +441,7 @@ contains
     call t%check(.not. progress%is_due(), 'no line at once')
     call progress%show(150, 0.25_wp, 12, report, 1.5_wp)
     call progress%finish()
-    call progress%start(unit, 100, 200, 'e8', .true., .false.)
+    call progress%start(unit, 100, 200, 'e8', .true., .false., is_stage=.true.)
     call progress%show(150, 0.25_wp, 12, report, 1.5_wp)
     call progress%show(200, 0.5_wp, 12, report, 1.5_wp)
     call progress%finish()
@@ -456,7 +456,7 @@ contains
     call t%check(duration_text(3725.0_wp) == '1:02:05' .and. duration_text(59.6_wp) == '1:00', 'durations')
     call t%check(index(lines(1)%s, 'e8 0.0E+00! (a contact breaks its law by 2.0E+00 m/s), kinetic') > 0, 'why: '//lines(1)%s)
     call t%check(index(lines(1)%s, ' left of the stage') == len(lines(1)%s) - 17, 'what is left of a stage: '//lines(1)%s)
-    call t%check(index(lines(2)%s, ' left') > 0 .and. index(lines(2)%s, 'stage') == 0, 'what is left of a run')
+    call t%check(index(lines(2)%s, ' left') > 0 .and. index(lines(2)%s, 'stage') == 0, 'no stage in a bar, which has little room')
   end subroutine test_progress
 
   !> Seconds per step of late. Steps that all cost the same: their cost. Steps whose cost grows as their number (0.2 ms times n, so
