@@ -70,7 +70,8 @@ contains
     do k = 1, contacts%n
       associate (b => contacts%body(:, k), gap => contacts%gap(k), n => scene%dimension)
         displacement = -h*dot_product(contacts%normal(:, k), scene%bodies%velocity(:n, b(1)) - scene%bodies%velocity(:n, b(2)))
-        if (displacement <= max(0.0_wp, gap)) cycle
+        ! The half width of a polyhedron takes all its faces: no pair is thinner than two of the thinnest shape.
+        if (displacement <= 0 .or. displacement - gap <= 2*plan%thinnest) cycle
         thickness = half_width(scene%contactors, int(contacts%contactor(1, k))) + &
                     half_width(scene%contactors, int(contacts%contactor(2, k)))
         ! Beyond the middles after the step, and not before.
