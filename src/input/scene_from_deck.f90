@@ -5,7 +5,7 @@ module sg_scene_from_deck
   use sg_bonds_from_deck, only: bonds_from_deck
   use sg_called_bodies, only: numbers_called
   use sg_cell_from_deck, only: cell_from_deck, check_cell
-  use sg_datbox, only: read_datbox_share
+  use sg_datbox, only: check_folder_sees, folder_sees_t, read_datbox_share
   use sg_datbox_walls, only: driven_bodies
   use sg_drives_from_deck, only: drives_from_deck
   use sg_error, only: diagnostics_t
@@ -34,24 +34,23 @@ module sg_scene_from_deck
   private
   public :: scene_from_deck
 
-  !> Sections that a DATBOX replaces
-  character(len=11), parameter :: own_sections(13) = [character(len=11) :: 'material', 'interaction', 'link', 'body', 'wall', &
-                                                      'container', 'brick_wall', 'arch', 'chain', 'blocks', 'clump', 'sample', &
-                                                      'rain']
-
 contains
 
-  !> Build the scene; what is wrong in it goes to `diagnostics`.
+  !> Build the scene; what is wrong in it goes to `diagnostics`. A deck adds to the scene of its DATBOX, if it names one: bodies,
+  !! materials and laws stand behind those of the folder, interactions behind its see tables.
   subroutine scene_from_deck(deck, options, scene, diagnostics)
     type(deck_t), intent(inout) :: deck !! checked deck
     type(run_options_t), intent(in) :: options !! options read from it
     type(scene_t), intent(inout) :: scene !! scene to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
-    type(overlaps_t) :: overlaps
-    integer :: b
+    type(share_t) :: share
+    type(folder_sees_t) :: sees
+    logical :: has_folder
+    integer :: b, points
 
     b = deck%block_of('scene')
     scene%dimension = deck%dimension
+    ! Links of a DATBOX join nearest images.
     scene%period = deck%number(b, 'period_x')
     if (scene%dimension == 3) scene%period_y = deck%number(b, 'period_y')
     scene%shrink = deck%number(b, 'shrink_faces')
@@ -59,96 +58,91 @@ contains
     scene%bears_moments = deck%bears_moments
     call cell_from_deck(deck, scene, diagnostics)
     if (diagnostics%count() > 0) return
-    if (deck%is_given(b, 'datbox')) then
-      call scene_from_datbox(deck, b, options, scene, diagnostics)
-      call check_recovery(deck, scene, options%recovery, diagnostics)
-      return
-    end if
-    scene%gravity = deck%vector(b, 'gravity')
+    share%rank = deck%rank
+    share%ranks = deck%ranks
+    has_folder = deck%is_given(b, 'datbox')
+    if (has_folder) call take_folder(deck, b, scene, share, sees, diagnostics)
+    if (diagnostics%count() > 0) return
+    call take_gravity(deck, b, has_folder, scene)
+    points = share%points%n
     call gravity_from_deck(deck, scene, diagnostics)
     call materials_from_deck(deck, scene, diagnostics)
+    if (has_folder) call rolling_from_deck(deck, scene, diagnostics)
     call laws_from_deck(deck, scene, diagnostics)
     call check_rolling(deck, options, scene, diagnostics)
-    call bodies_from_deck(deck, scene, diagnostics)
+    call bodies_from_deck(deck, scene, share, diagnostics)
     if (diagnostics%count() > 0) return
     call drives_from_deck(deck, scene, diagnostics)
     call interactions_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() == 0) call warn_of_unused_laws(deck, scene, diagnostics)
+    if (has_folder) call check_folder_sees(scene, share%census, sees, diagnostics)
     call bonds_from_deck(deck, options, scene, diagnostics)
-    if (diagnostics%count() == 0) call link_by_distance(scene, deck%points)
+    if (diagnostics%count() == 0) call link_by_distance(scene, share%points, linked=points)
     call links_from_deck(deck, scene, diagnostics)
     call joints_from_deck(deck, scene, diagnostics)
     call locate_links(scene%links, scene%contactors)
+    if (has_folder) call wrap(scene)
     call passages_from_deck(deck, scene, diagnostics)
     call check_cell(deck, options, scene, diagnostics)
     call check_recovery(deck, scene, options%recovery, diagnostics)
-    ! Where each rank has a part of the scene, all check it together.
-    if (deck%ranks > 1) return
-    call check_range(deck, scene, diagnostics)
-    if (diagnostics%count() > 0) return
-    call find_overlaps(scene, 0, deck, overlaps)
-    call report_overlaps(deck, overlaps, diagnostics)
+    call check_start(deck, scene, diagnostics)
   end subroutine scene_from_deck
 
-  !> Build the scene of a DATBOX folder, with gravity, drives, pressures, bonds, joints and moments against rolling of the deck on
-  !! top.
-  subroutine scene_from_datbox(deck, block, options, scene, diagnostics)
+  !> Read the scene of a DATBOX folder.
+  subroutine take_folder(deck, block, scene, share, sees, diagnostics)
     type(deck_t), intent(inout) :: deck
     integer, intent(in) :: block
-    type(run_options_t), intent(in) :: options
     type(scene_t), intent(inout) :: scene
+    type(share_t), intent(inout) :: share
+    type(folder_sees_t), intent(out) :: sees
     type(diagnostics_t), intent(inout) :: diagnostics
     character(len=:), allocatable :: folder
-    real(wp) :: period(2)
-    integer :: b, i
-    type(share_t) :: share
 
-    do b = 1, deck%n
-      do i = 1, size(own_sections)
-        if (deck%is_in(b, trim(own_sections(i)))) call deck%complain(diagnostics, deck%heading(deck%blocks(b)%section)// &
-                                                       ' cannot stand next to scene.datbox, which holds all of its kind', b)
-      end do
-    end do
     folder = path_in_deck(deck, deck%word(block, 'datbox'))
     if (.not. file_exists(folder//'/.')) then
       call deck%complain(diagnostics, 'there is no folder "'//folder//'"', block, 'datbox')
       return
     end if
-    period = [scene%period, scene%period_y]
-    share%rank = deck%rank
-    share%ranks = deck%ranks
+    ! Bodies of a folder go by their numbers; those of the deck have none yet.
     call numbers_called(deck, share%common)
-    call read_datbox_share(folder, scene, share, diagnostics)
-    deck%absent = share%census
-    scene%period = period(1)
-    scene%period_y = period(2)
-    scene%shrink = deck%number(block, 'shrink_faces')
-    scene%kept_motion = deck%number(block, 'kept_motion')
+    call read_datbox_share(folder, scene, share, sees, diagnostics)
     if (diagnostics%count() > 0) return
     if (scene%bodies%dimension /= deck%dimension) then
       call deck%complain(diagnostics, 'the bodies of the folder have '//to_text(scene%bodies%dimension)//' dimensions, not '// &
                          to_text(deck%dimension), block, 'dimension')
       return
     end if
-    if (deck%is_given(block, 'gravity')) then
-      scene%gravity = deck%vector(block, 'gravity')
-    else
-      call deck%give_numbers(block, 'gravity', scene%gravity(:deck%dimension))
-    end if
-    call gravity_from_deck(deck, scene, diagnostics)
     deck%driven = driven_bodies(scene)
-    call drives_from_deck(deck, scene, diagnostics)
-    call rolling_from_deck(deck, scene, diagnostics)
-    call check_rolling(deck, options, scene, diagnostics)
-    call bonds_from_deck(deck, options, scene, diagnostics)
-    if (deck%count_of('joint') > 0) then
-      deck%contactors = share%contactors
-      call joints_from_deck(deck, scene, diagnostics)
-      call locate_links(scene%links, scene%contactors)
+  end subroutine take_folder
+
+  !> Take the gravity of the deck, or that of the folder where the deck gives none.
+  subroutine take_gravity(deck, block, has_folder, scene)
+    type(deck_t), intent(inout) :: deck
+    integer, intent(in) :: block
+    logical, intent(in) :: has_folder
+    type(scene_t), intent(inout) :: scene
+
+    if (has_folder .and. .not. deck%is_given(block, 'gravity')) then
+      call deck%give_numbers(block, 'gravity', scene%gravity(:deck%dimension))
+    else
+      scene%gravity = deck%vector(block, 'gravity')
     end if
-    call wrap(scene)
-    call passages_from_deck(deck, scene, diagnostics)
-  end subroutine scene_from_datbox
+  end subroutine take_gravity
+
+  !> Check range and overlaps at the start. Bodies of a DATBOX may lie and overlap as they do. Where each rank has a part of
+  !! the scene, all check it together.
+  subroutine check_start(deck, scene, diagnostics)
+    type(deck_t), intent(in) :: deck
+    type(scene_t), intent(inout) :: scene
+    type(diagnostics_t), intent(inout) :: diagnostics
+    type(overlaps_t) :: overlaps
+
+    if (deck%ranks > 1 .or. scene%bodies%n == deck%folder_bodies) return
+    if (deck%folder_bodies == 0) call check_range(deck, scene, diagnostics)
+    if (diagnostics%count() > 0) return
+    call find_overlaps(scene, 0, deck, overlaps)
+    call report_overlaps(deck, overlaps, diagnostics)
+  end subroutine check_start
 
   !> Refuse to undo overlap that laws need.
   subroutine check_recovery(deck, scene, recovery, diagnostics)

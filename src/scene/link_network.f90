@@ -63,14 +63,17 @@ contains
 
   !> Link all points of different bodies that a line of the see tables brings together and that are no farther apart than its
   !! alert distance; in a periodic scene with the nearest image.
-  subroutine link_by_distance(scene, points)
+  subroutine link_by_distance(scene, points, linked)
     type(scene_t), intent(inout) :: scene !! scene with laws and see tables; gets links
     type(points_t), intent(in) :: points !! its points
+    integer, intent(in), optional :: linked !! points at the front of the list that have their links to each other; default: none
     integer(i4), allocatable :: order(:), pair(:, :)
-    integer :: axis, i, j, n
+    integer :: axis, i, j, n, n_linked
     real(wp) :: widest
 
-    if (points%n < 2 .or. .not. any(links_points(scene%sees))) return
+    n_linked = 0
+    if (present(linked)) n_linked = linked
+    if (points%n < 2 .or. points%n == n_linked .or. .not. any(links_points(scene%sees))) return
     widest = maxval(scene%sees%alert, links_points(scene%sees))
     axis = longest_axis(scene, points)
     order = order_of(points%place(axis, :points%n))
@@ -78,6 +81,7 @@ contains
     do i = 1, points%n
       do j = i + 1, points%n
         if (points%place(axis, order(j)) - points%place(axis, order(i)) > widest) exit
+        if (maxval(order([i, j])) <= n_linked) cycle
         if (line_between(scene, points, int(order([i, j]))) == 0) cycle
         n = n + 1
         call reserve(pair, 2, n)

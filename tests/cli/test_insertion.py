@@ -181,15 +181,18 @@ class Insertion(ProgramCase):
                 self.assertEqual(self.column("removed")[-1], 0.0)
 
     def test_beside_a_datbox(self):
-        """A disk of an LMGC90 scene is removed; what a DATBOX cannot hold is not written as one."""
+        """A disk of an LMGC90 scene is removed, a rain of the deck falls into it; what a DATBOX cannot hold is not written as one."""
         folder = Path(__file__).resolve().parents[1] / "decks/datbox_piston/DATBOX"
         deck = f'[scene]\ndatbox = "{folder}"\n[time]\nstep = 5e-4\nsteps = 60\n[output]\nrecord_every = 1\n'
         (self.place / "deck.toml").write_text(deck + "[[remove]]\nbody = 1\nat = 0.01\n")
         self.call()
         self.assertEqual(self.column("removed"), [0.0] * 20 + [1.0] * 40)
         self.assertLess(max(self.column("energy_closure")[1:]), ROUNDING)
-        (self.place / "deck.toml").write_text(deck + "[[rain]]\nbox = [0.0, 0.0, 1.0, 1.0]\ncount = 1\nrate = 1.0\nradius = 0.1\n")
-        self.assertIn("[[rain]] cannot stand next to scene.datbox", self.call(code=2).stderr)
+        rain = "[[rain]]\nbox = [-0.5, 3.0, 0.5, 4.0]\ncount = 5\nrate = 200.0\nradius = 0.01\nvelocity = [0.0, -20.0]\n"
+        (self.place / "deck.toml").write_text(deck + rain + '[[interaction]]\nlaw = "rough"\n')
+        self.call()
+        self.assertEqual((self.column("entered")[-1], self.column("waiting")[-1]), (5.0, 0.0))
+        self.assertLess(max(self.column("energy_closure")[1:]), ROUNDING)
         self.write(PILE)
         said = self.run_program("convert", "deck.toml", "folder", code=2).stderr
         self.assertIn("bodies enter or leave in this scene", said)

@@ -4,6 +4,7 @@
 !! and we do not do yet is a mistake when the scene would differ without it, and a warning when it would not.
 module sg_datbox
   use sg_ascending, only: distinct
+  use sg_census, only: census_t
   use sg_datbox_behaviours, only: other_law_t, read_bulk_behaviours, read_contact_laws, warn_of_unused
   use sg_datbox_bodies, only: count_bodies, find_dimension, read_bodies
   use sg_datbox_contacts, only: read_start_contacts
@@ -21,7 +22,15 @@ module sg_datbox
   use sg_system, only: file_exists
   implicit none
   private
-  public :: read_datbox, read_datbox_share
+  public :: folder_sees_t, read_datbox, read_datbox_share, check_folder_sees
+
+  !> See tables of a folder: their file, the line of each, and the laws of the folder
+  type :: folder_sees_t
+    private
+    type(datbox_file_t) :: file
+    integer, allocatable :: lines(:)
+    integer :: n_laws = 0
+  end type folder_sees_t
 
   !> Files that LMGC90 reads and that hold nothing about the scene of rigid bodies
   character(len=14), parameter :: files_not_read(7) = [character(len=14) :: 'COMMAND.DAT', 'PREPRO.DAT', 'SAMPLE.DAT', &
@@ -35,20 +44,25 @@ contains
     type(scene_t), intent(inout) :: scene !! empty scene to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
     type(share_t) :: all
+    type(folder_sees_t) :: sees
+    integer :: before
 
-    call read_datbox_share(folder, scene, all, diagnostics)
+    before = diagnostics%count()
+    call read_datbox_share(folder, scene, all, sees, diagnostics)
+    if (diagnostics%count() == before) call check_folder_sees(scene, all%census, sees, diagnostics)
   end subroutine read_datbox
 
-  !> The same where several ranks read: each keeps its share. All find the same mistakes.
-  subroutine read_datbox_share(folder, scene, share, diagnostics)
+  !> The same where several ranks read: each keeps its share. All find the same mistakes. Whether see tables are of use is to be
+  !! checked when a deck has added its bodies.
+  subroutine read_datbox_share(folder, scene, share, sees, diagnostics)
     character(len=*), intent(in) :: folder !! DATBOX folder
     type(scene_t), intent(inout) :: scene !! empty scene to fill
     type(share_t), intent(inout) :: share !! the ranks, and the bodies that all keep besides those that the folder drives
+    type(folder_sees_t), intent(out) :: sees !! its see tables, for the check to come
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
-    type(datbox_file_t) :: bodies, bulk, tact
+    type(datbox_file_t) :: bodies, bulk
     type(other_law_t), allocatable :: other_bulk(:), other_laws(:)
     integer(i4), allocatable :: held(:)
-    integer, allocatable :: see_lines(:)
     integer :: before, n
     logical :: ok
 
@@ -59,31 +73,42 @@ contains
     if (.not. ok) return
     scene%contactors%dimension = scene%dimension
     call read_bulk_behaviours(folder, scene, other_bulk, bulk, diagnostics)
-    call read_contact_laws(folder, scene, other_laws, tact, diagnostics)
-    call read_sees(tact, scene, other_laws, see_lines, diagnostics)
+    call read_contact_laws(folder, scene, other_laws, sees%file, diagnostics)
+    call read_sees(sees%file, scene, other_laws, sees%lines, diagnostics)
+    sees%n_laws = size(scene%laws)
     call count_bodies(bodies, n)
     call keep_driven(folder, scene%dimension, n, share)
     call share%begin(scene, n, 0)
     call share%census%mix(digest_of(bodies))
     call share%census%mix(digest_of(bulk))
-    call share%census%mix(digest_of(tact))
+    call share%census%mix(digest_of(sees%file))
     call bodies_held(folder, scene%dimension, n, held)
     call read_bodies(bodies, scene, share, held, other_bulk, diagnostics)
     call warn_of_unused(other_bulk, bulk, diagnostics)
-    call warn_of_unused(other_laws, tact, diagnostics)
+    call warn_of_unused(other_laws, sees%file, diagnostics)
     if (share%all > 0) call read_drives(folder, scene, share, diagnostics)
     call warn_of_files(folder, diagnostics)
     call warn_of_postpro(folder, diagnostics)
     if (.not. allocated(scene%pressures)) allocate (scene%pressures(0))
     ! Contacts and states name bodies: where bodies are wrong, what follows would be noise.
     if (diagnostics%count() > before) return
-    call read_links(folder, scene, share%points, tact, see_lines, diagnostics)
+    call read_links(folder, scene, share%points, sees%file, sees%lines, diagnostics)
     if (diagnostics%count() > before) return
-    call check_sees(scene, share%census, see_lines, tact, diagnostics)
-    call warn_of_unused_sees(scene, share%census, see_lines, tact, diagnostics)
     call read_state(folder, scene, share, diagnostics)
     call read_start_contacts(folder, scene, share, diagnostics)
   end subroutine read_datbox_share
+
+  !> Warn of see tables without use, of laws that none names, and of shapes that no see table and no interaction brings
+  !! together with others.
+  subroutine check_folder_sees(scene, others, sees, diagnostics)
+    type(scene_t), intent(in) :: scene !! scene with all bodies and see tables, those of the folder first
+    type(census_t), intent(in) :: others !! bodies that other ranks keep
+    type(folder_sees_t), intent(inout) :: sees !! see tables of the folder
+    type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
+
+    call check_sees(scene, others, sees%lines, sees%file, diagnostics)
+    call warn_of_unused_sees(scene, others, sees%lines, sees%n_laws, sees%file, diagnostics)
+  end subroutine check_folder_sees
 
   !> All of several ranks keep the bodies that are driven.
   subroutine keep_driven(folder, dimension, n, share)

@@ -202,7 +202,7 @@ contains
   subroutine check_sees(scene, others, see_lines, file, diagnostics)
     type(scene_t), intent(in) :: scene !! scene with bodies and see tables
     type(census_t), intent(in) :: others !! bodies that other ranks keep
-    integer, intent(in) :: see_lines(:) !! line of each see table
+    integer, intent(in) :: see_lines(:) !! line of each see table, which come before those of a deck
     type(datbox_file_t), intent(inout) :: file !! TACT_BEHAV.DAT
     type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
     logical, allocatable :: is_there(:, :)
@@ -217,7 +217,7 @@ contains
         is_there(others%looks(1, i), others%looks(2, i)) = .true.
       end do
     end if
-    do i = 1, size(scene%sees)
+    do i = 1, size(see_lines)
       call go_to(file, see_lines(i))
       call check_side(scene%sees(i)%candidate_kind, scene%sees(i)%candidate_colour, 16)
       call check_side(scene%sees(i)%antagonist_kind, scene%sees(i)%antagonist_colour, 44)

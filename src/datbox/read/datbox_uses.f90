@@ -15,29 +15,31 @@ module sg_datbox_uses
 contains
 
   !> Warn of what TACT_BEHAV.DAT lists in vain and of what it leaves out.
-  subroutine warn_of_unused_sees(scene, others, see_lines, file, diagnostics)
+  subroutine warn_of_unused_sees(scene, others, see_lines, n_laws, file, diagnostics)
     type(scene_t), intent(in) :: scene !! scene with bodies and see tables
     type(census_t), intent(in) :: others !! bodies that other ranks keep
-    integer, intent(in) :: see_lines(:) !! line of each see table
+    integer, intent(in) :: see_lines(:) !! line of each see table, which come before those of a deck
+    integer, intent(in) :: n_laws !! laws of the folder, which come before those of a deck
     type(datbox_file_t), intent(inout) :: file !! TACT_BEHAV.DAT
     type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
     type(see_uses_t) :: uses
     integer :: i
 
     call find_uses(scene, others%looks, uses)
-    do i = 1, size(uses%line)
+    do i = 1, size(see_lines)
       if (uses%line(i) < 1) cycle
       call go_to(file, see_lines(i))
       call remark(file, 'hidden see table', 'this see table has no effect: that of line '//to_text(see_lines(uses%line(i)))// &
                   ' comes first and takes all its contactors', 1, diagnostics)
     end do
-    do i = 1, size(scene%laws)
+    do i = 1, n_laws
       if (any(scene%sees%law == i)) cycle
       call diagnostics%warn('no see table names the contact law '''//scene%laws(i)%name//'''', file=file%path, kind='unused law')
     end do
     do i = 1, size(uses%alone, 2)
       call diagnostics%warn('no see table fits '//datbox_kind_name(uses%alone(1, i), scene%dimension)//' of colour '''// &
-                            scene%colours(uses%alone(2, i))%s//''', which touches nothing', file=file%path, kind='touches nothing')
+                            scene%colours(uses%alone(2, i))%s//''', which touches nothing; an [[interaction]] of a deck may '// &
+                            'bring it together with others', file=file%path, kind='touches nothing')
     end do
   end subroutine warn_of_unused_sees
 end module sg_datbox_uses

@@ -7,7 +7,6 @@ module sg_blocks
   use sg_error, only: diagnostics_t
   use sg_key_table, only: in_both, key_t, key_table_t
   use sg_kinds, only: wp, i4
-  use sg_link_network, only: points_t
   use sg_text, only: nearest_word, text_t
   use sg_toml, only: line_of
   use sg_values, only: from_default, from_setting, value_t
@@ -61,11 +60,12 @@ module sg_blocks
     type(text_t), allocatable :: names(:)
     !> Numbers of the bodies that the DRV_DOF.DAT of a DATBOX drives, ascending; unallocated where there is none
     integer(i4), allocatable :: driven(:)
+    !> Number of the bodies of a DATBOX: those of the deck are numbered behind them
+    integer :: folder_bodies = 0
     !> The rank that reads, and the number of ranks: of the bodies it keeps a share; `absent` describes the others
     integer :: rank = 0, ranks = 1
     type(census_t) :: absent
-    !> Points of all bodies, and the number of all contactors, whoever keeps them
-    type(points_t) :: points
+    !> Number of all contactors, whoever keeps them
     integer :: contactors = 0
   contains
     procedure :: block_of
@@ -105,12 +105,14 @@ contains
     block = 0
   end function block_of
 
-  !> Block that a body comes from: the one whose last body is the next.
+  !> Block that a body comes from: the one whose last body is the next; 0 for a body of a DATBOX.
   pure integer function block_of_body(self, body) result(block)
     class(deck_t), intent(in) :: self
     integer, intent(in) :: body !! number of the body
 
-    block = minloc(self%blocks(:self%n)%last_body, 1, self%blocks(:self%n)%last_body >= body)
+    associate (blocks => self%blocks(:self%n))
+      block = minloc(blocks%last_body, 1, blocks%first_body <= body .and. blocks%last_body >= body)
+    end associate
   end function block_of_body
 
   !> Does a block belong to a section?

@@ -1,4 +1,5 @@
-!> Bodies and their contactors from the blocks body, wall, container, brick_wall, arch, chain and sample, numbered in this order.
+!> Bodies and their contactors from the blocks body, wall, container, brick_wall, arch, chain and sample, numbered in this order,
+!! behind those of a DATBOX where there is one.
 !!
 !! Where several ranks read, each goes through all bodies and all grains of all samples, and keeps those of its share. Bodies that
 !! the deck calls by number or by name, and those that it holds, every rank keeps (doc/theory/decomposition.md).
@@ -38,24 +39,27 @@ module sg_bodies_from_deck
 
 contains
 
-  !> Fill the scene's bodies and contactors.
-  subroutine bodies_from_deck(deck, scene, diagnostics)
+  !> Add bodies and contactors to those that the scene has.
+  subroutine bodies_from_deck(deck, scene, share, diagnostics)
     type(deck_t), intent(inout) :: deck !! checked deck; its blocks learn which bodies are theirs
-    type(scene_t), intent(inout) :: scene !! scene with its dimension, periods and materials
+    type(scene_t), intent(inout) :: scene !! scene with its dimension, periods and materials, perhaps with the bodies of a DATBOX
+    type(share_t), intent(inout) :: share !! the ranks, and what this one keeps of the bodies of a DATBOX
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(sample_t), allocatable :: samples(:)
     type(grain_template_t), allocatable :: templates(:)
-    type(share_t) :: share
     integer(i4), allocatable :: called(:), held(:)
     integer :: b, i, n, n_fixed, before, section, contactors
 
+    deck%folder_bodies = share%made
+    deck%absent = share%census
+    deck%contactors = share%contactors
+    if (share%made > 0 .and. .not. has_bodies(deck)) return
+    n_fixed = share%made
     call number_blocks(deck, scene, n_fixed)
     call list_names(deck, [scene%period, scene%period_y], diagnostics)
     call check_names(deck, diagnostics)
     call numbers_called(deck, called)
     call bodies_held(deck, held)
-    share%rank = deck%rank
-    share%ranks = deck%ranks
     share%common = distinct([called, held])
     called = pack(called, called > n_fixed .and. deck%ranks > 1)
     call read_templates(deck, templates, diagnostics)
@@ -69,8 +73,8 @@ contains
       call deck%complain(diagnostics, 'there is no body: a deck needs [[body]], [[wall]], [[sample]] or scene.datbox', &
                          deck%block_of('scene'))
     scene%contactors%dimension = scene%dimension
-    call share%begin(scene, n_fixed, kept_grains(samples, n_fixed, called))
-    n = 0
+    n = scene%bodies%n
+    call share%begin(scene, n_fixed - share%made, kept_grains(samples, n_fixed, called))
     do section = 1, size(sections)
       do b = 1, deck%n
         if (deck%is_in(b, trim(sections(section)))) call add_block(deck, b, scene, share, n, diagnostics)
@@ -88,18 +92,27 @@ contains
     call share%finish(scene, n)
     call give_names(deck, scene)
     deck%absent = share%census
-    deck%points = share%points
     deck%contactors = contactors
   end subroutine bodies_from_deck
+
+  !> Has a deck blocks of bodies?
+  pure logical function has_bodies(deck)
+    type(deck_t), intent(in) :: deck
+    integer :: i
+
+    has_bodies = deck%count_of('sample') + deck%count_of('rain') > 0
+    do i = 1, size(sections)
+      has_bodies = has_bodies .or. deck%count_of(trim(sections(i))) > 0
+    end do
+  end function has_bodies
 
   !> Set the range of bodies of each block except samples.
   subroutine number_blocks(deck, scene, n)
     type(deck_t), intent(inout) :: deck
     type(scene_t), intent(in) :: scene
-    integer, intent(out) :: n !! how many there are
+    integer, intent(inout) :: n !! bodies before; afterwards all but those of samples
     integer :: section, b
 
-    n = 0
     do section = 1, size(sections)
       do b = 1, deck%n
         if (.not. deck%is_in(b, trim(sections(section)))) cycle

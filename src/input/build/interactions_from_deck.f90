@@ -19,7 +19,7 @@ module sg_interactions_from_deck
 
 contains
 
-  !> Fill the scene's see tables.
+  !> Add see tables to those that the scene has from a DATBOX, which come first.
   subroutine interactions_from_deck(deck, options, scene, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     type(run_options_t), intent(in) :: options !! options of the run
@@ -31,8 +31,10 @@ contains
     integer :: b, n
 
     n = deck%count_of('interaction')
+    ! The laws of a DATBOX have their see tables.
+    if (n == 0 .and. deck%folder_bodies > 0) return
     alert = default_alert(scene, options, deck%absent)
-    allocate (scene%sees(0))
+    if (.not. allocated(scene%sees)) allocate (scene%sees(0))
     contact_laws = pack([(b, b=1, size(scene%laws))], [(.not. (is_link_law(scene%laws(b)) .or. &
                                                        is_of_bonds(deck, scene%laws(b)%name)), b=1, size(scene%laws))])
     if (n == 0 .and. size(contact_laws) == 1) then

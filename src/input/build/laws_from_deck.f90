@@ -16,37 +16,45 @@ module sg_laws_from_deck
 
 contains
 
-  !> Fill the scene's materials.
+  !> Add materials to those that the scene has from a DATBOX.
   subroutine materials_from_deck(deck, scene, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(inout) :: scene !! scene to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(material_t) :: material
-    integer :: b
+    integer :: b, n_folder, other
 
-    allocate (scene%materials(0))
+    if (.not. allocated(scene%materials)) allocate (scene%materials(0))
+    n_folder = size(scene%materials)
     do b = 1, deck%n
       if (.not. deck%is_in(b, 'material')) cycle
       material%name = deck%word(b, 'name')
       material%density = deck%number(b, 'density')
-      if (material_index(scene, material%name) > 0) &
+      other = material_index(scene, material%name)
+      if (other > n_folder) then
         call deck%complain(diagnostics, 'there are two materials named "'//material%name//'"', b, 'name')
+      else if (other > 0) then
+        call deck%complain(diagnostics, 'the DATBOX has a material named "'//material%name//'": bodies of the deck may call it '// &
+                           'by this name, and one of the deck needs another name', b, 'name')
+      end if
       scene%materials = [scene%materials, material]
     end do
   end subroutine materials_from_deck
 
-  !> Fill the scene's laws.
+  !> Add laws to those that the scene has from a DATBOX. Blocks that name one of these are not for here.
   subroutine laws_from_deck(deck, scene, diagnostics)
     type(deck_t), intent(in) :: deck !! checked deck
     type(scene_t), intent(inout) :: scene !! scene to fill
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
     type(law_t) :: law
-    integer :: b
+    integer :: b, n_folder, other
 
-    allocate (scene%laws(0))
+    if (.not. allocated(scene%laws)) allocate (scene%laws(0))
+    n_folder = size(scene%laws)
     do b = 1, deck%n
       if (.not. deck%is_in(b, 'law')) cycle
       call read_law(deck, b, law)
+      if (any([(scene%laws(other)%name == law%name, other=1, n_folder)])) cycle
       if (is_cohesive_zone(law)) then
         if (len(zone_fault(law)) > 0) call deck%complain(diagnostics, zone_fault(law), b, 'normal_stiffness')
       else if (law%kind == law_linear .and. deck%is_given(b, 'epsilon') .and. deck%is_given(b, 'relative_epsilon')) then

@@ -21,6 +21,7 @@ contains
     type(wall_t) :: wall
     integer :: b
 
+    if (allocated(deck%driven)) call list_datbox_walls(scene, deck%driven, walls)
     do b = 1, deck%n
       if (deck%is_in(b, 'wall')) then
         if (scene%dimension == 2) then
@@ -35,7 +36,6 @@ contains
         call add_planes(deck, b, scene, walls)
       end if
     end do
-    if (allocated(deck%driven)) call list_datbox_walls(scene, deck%driven, walls)
     if (scene%cell%is_on) then
       walls%has_cell = .true.
       walls%is_periodic = .true.

@@ -32,20 +32,23 @@ contains
     type(overlaps_t) :: found
     type(subdomain_t) :: subdomain
     type(replicated_data_t) :: replicated
+    type(start_contact_t), allocatable :: known(:)
 
     if (.not. allocated(scene%bodies%id)) return
-    ! Of a DATBOX one rank does not ask more either.
-    if (deck%is_given(deck%block_of('scene'), 'datbox')) then
+    ! Of bodies of a DATBOX one rank does not ask more either.
+    if (scene%bodies%n + deck%absent%n == deck%folder_bodies) then
       call order_share(scene, comm)
       return
     end if
-    call check_shared_range(deck, scene, comm, diagnostics)
+    if (deck%folder_bodies == 0) call check_shared_range(deck, scene, comm, diagnostics)
     if (diagnostics%count() > 0) return
+    if (allocated(scene%start_contacts)) call move_alloc(scene%start_contacts, known)
     subdomain%rank = comm%rank
     subdomain%size = comm%size
     subdomain%all_bodies = scene%bodies%n + deck%absent%n
     call keep_replicated(scene, replicated)
     call make_halo(scene, replicated, subdomain, 0.0_wp, comm)
+    if (allocated(known)) call move_alloc(known, scene%start_contacts)
     call find_overlaps(scene, comm%rank, deck, found)
     call gather_overlaps(found, comm)
     call report_overlaps(deck, found, diagnostics)

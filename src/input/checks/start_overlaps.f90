@@ -37,6 +37,8 @@ module sg_start_overlaps
     !! smaller radius, 0 where there is no pair
     integer :: pair(2, most_pairs) = 0
     real(wp) :: depth(most_pairs) = 0, share(most_pairs) = 0
+    !> Number up to which pairs of bodies are not looked at: those of a DATBOX may overlap
+    integer :: passed_over = 0
     !> When the bodies of these pairs enter [s]; hugely early for those that are there at the start
     real(wp) :: moment = at_start
   end type overlaps_t
@@ -59,6 +61,7 @@ contains
       if (.not. allocated(scene%entries)) return
       found%moment = deck%stage_time
     end if
+    found%passed_over = deck%folder_bodies
     n = scene%dimension
     associate (bodies => scene%bodies)
       bodies%middle(:n, :) = bodies%position
@@ -179,10 +182,11 @@ contains
     if (found%moment > at_start) then
       if (.not. (enters(scene, b(1), found%moment) .and. enters(scene, b(2), found%moment))) return
     end if
-    depth = -pair_gap(scene, pair, image)
     radius = minval(scene%contactors%reach(pair), scene%bodies%is_grain(b))
-    if (depth <= rounding*radius) return
     if (allocated(scene%bodies%id)) b = scene%bodies%id(b)
+    if (all(b <= found%passed_over)) return
+    depth = -pair_gap(scene, pair, image)
+    if (depth <= rounding*radius) return
     found%n = found%n + 1
     call add_overlap(found, b, depth, depth/radius)
   end subroutine weigh_pair

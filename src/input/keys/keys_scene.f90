@@ -28,7 +28,8 @@ contains
     call table%add('dimension', value_integer, '2 for a scene in the plane (x, y), 3 for one in space (x, y, z); with a DATBOX '// &
                    'the default is its own.', default='2', least=2.0_wp, most=3.0_wp)
     call table%add('datbox', value_text, 'LMGC90 DATBOX folder that holds bodies, materials, laws and initial state, relative '// &
-                   'to the deck; the only native blocks next to it are [[drive]], [[pressure]] and [[gravity]].')
+                   'to the deck, which adds to them: its bodies are numbered behind those of the folder, its [[interaction]] '// &
+                   'come behind the see tables, and materials, laws and colours are those of both.')
     call table%add('gravity', value_vector, 'Acceleration of gravity; with a DATBOX the default is that of its '// &
                    'BULK_BEHAV.DAT.', unit='m/s2', default='[0.0, -9.81]', space_default='[0.0, 0.0, -9.81]')
     call table%add('period_x', value_real, 'Length of the period in x; 0 for none. Grains lie between 0 and the period.', &

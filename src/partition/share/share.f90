@@ -2,7 +2,8 @@
 !!
 !! Each rank makes every body in turn, at the place behind those that it keeps, so that all ranks find the same mistakes; a body
 !! of another rank's is noted and its place taken by the next one. Some bodies every rank keeps: those that are driven, pressed
-!! or held. Of the others rank r has an even piece, in the order of their numbers (doc/theory/decomposition.md).
+!! or held. Of the others rank r has an even piece, in the order of their numbers (doc/theory/decomposition.md). Bodies may be made
+!! in two lots, as those of a DATBOX and those of the deck: of each lot a rank has a piece.
 module sg_share
   use sg_ascending, only: first_at_least, place_in
   use sg_census, only: census_t
@@ -21,13 +22,15 @@ module sg_share
     integer :: rank = 0, ranks = 1
     !> Numbers of the bodies that every rank keeps, ascending, each once
     integer(i4), allocatable :: common(:)
-    !> Bodies to make; bodies made so far, and their contactors
+    !> Numbers up to which bodies are to be made; bodies made so far, and their contactors
     integer :: all = 0, made = 0, contactors = 0
     !> What is known of bodies that other ranks keep
     type(census_t) :: census
     !> Points of all bodies, whoever keeps them
     type(points_t) :: points
-    !> First and last that this rank keeps of the bodies that are not common, counted without those
+    !> Bodies of earlier lots
+    integer, private :: earlier = 0
+    !> First and last that this rank keeps of the bodies of the lot that are not common, counted without those
     integer, private :: piece(2) = 0
     !> Contactors of the scene before those of the body being made
     integer, private :: before = 0
@@ -44,32 +47,50 @@ module sg_share
 
 contains
 
-  !> Make room for the bodies that this rank keeps.
+  !> Make room for the bodies of a lot that this rank keeps, behind those of earlier lots.
   subroutine share_begin(self, scene, n, more)
     class(share_t), intent(inout) :: self !! with the ranks, and the bodies that all keep set
-    type(scene_t), intent(inout) :: scene !! scene with its dimension and no bodies
+    type(scene_t), intent(inout) :: scene !! scene with its dimension and the bodies of earlier lots
     integer, intent(in) :: n !! bodies to be made one by one, of all ranks
     integer, intent(in) :: more !! other bodies for which there is to be room
     integer :: room
 
-    self%all = n
+    self%earlier = self%made
+    self%all = self%earlier + n
     if (.not. allocated(self%common)) allocate (self%common(0))
-    self%common = pack(self%common, self%common >= 1 .and. self%common <= n)
+    self%common = pack(self%common, self%common > self%earlier .and. self%common <= self%all)
     self%piece = piece_of(n - size(self%common), self%rank, self%ranks)
+    self%before = scene%contactors%n
     room = self%kept() + more
     ! A place for bodies that are only noted.
     if (self%kept() < n .and. more == 0) room = room + 1
+    if (self%earlier > 0) then
+      call make_more_room(scene, room)
+      return
+    end if
     call scene%bodies%allocate(room, scene%dimension)
     if (self%ranks == 1) return
     allocate (scene%bodies%id(room), scene%bodies%owner(room), source=-1_i4)
     allocate (scene%contactors%id(0))
   end subroutine share_begin
 
-  !> Bodies that this rank keeps.
+  !> Make room behind the bodies that a scene has.
+  subroutine make_more_room(scene, more)
+    type(scene_t), intent(inout) :: scene
+    integer, intent(in) :: more
+
+    associate (bodies => scene%bodies)
+      bodies%n = bodies%n + more
+      bodies%n_own = bodies%n
+      call bodies%resize(bodies%n)
+    end associate
+  end subroutine make_more_room
+
+  !> Bodies of the lot that this rank keeps.
   pure integer function share_kept(self) result(n)
     class(share_t), intent(in) :: self
 
-    n = self%all
+    n = self%all - self%earlier
     if (self%ranks > 1) n = size(self%common) + self%piece(2) - self%piece(1) + 1
   end function share_kept
 
@@ -89,7 +110,7 @@ contains
     else
       call self%census%mix(transfer(scene%bodies%mass(n + 1), 1_i8))
       is_common = place_in(self%common, int(self%made, i4)) > 0
-      below = first_at_least(self%common, int(self%made, i4)) - 1
+      below = self%earlier + first_at_least(self%common, int(self%made, i4)) - 1
       if (is_common .or. (self%made - below >= self%piece(1) .and. self%made - below <= self%piece(2))) then
         n = n + 1
         scene%bodies%id(n) = int(self%made, i4)

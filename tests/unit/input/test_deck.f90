@@ -418,7 +418,9 @@ contains
                         diagnostics)
     call t%check(index(first(diagnostics), 'next to scene.datbox') > 0, 'no friction of a law beside a DATBOX')
     call read_deck_text(text//'[[material]]'//nl//'name = "stone"'//nl//'density = 1'//nl, scene, options, diagnostics)
-    call t%check(index(first(diagnostics), 'next to scene.datbox') > 0, 'no material beside a DATBOX')
+    call t%equal(diagnostics%count(), 0, 'a material of the deck: '//first(diagnostics))
+    call t%check(scene%materials(size(scene%materials))%name == 'stone', 'it stands behind those of the folder')
+    call t%check(.not. allocated(scene%names), 'without bodies of the deck no body has a name')
   end subroutine test_datbox
 
   !> The table has whole sentences and sound defaults; the committed reference is the generated one.
