@@ -1,0 +1,199 @@
+#!/usr/bin/env python3
+"""Bodies of a deck next to those of a DATBOX: the same scene wholly native and in two halves, closed forms, ranks, restarts, mistakes."""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from program_case import ProgramCase, take_program  # noqa: E402
+
+G = 9.81
+RUN = """[time]
+step = 1e-3
+steps = 100
+[solver]
+criterion = "e8"
+tolerance = 1e-12
+maximum_sweeps = 20000
+[output]
+record_every = 10
+"""
+SPACE, PLANE = "[scene]\ndimension = 3\n", "[scene]\ndimension = 2\n"
+STONE = '[[material]]\nname = "stone"\ndensity = 2500.0\n'
+ROUGH = '[[law]]\nname = "rough"\nfriction = 0.6\n'
+# Colours of at most five letters, as a DATBOX has them.
+FLOOR = ('[[wall]]\nname = "floor"\ncentre = [0.0, 0.0, 0.0]\nnormal = [0.0, 0.0, 1.0]\nsize = [6.0, 6.0]\nthickness = 0.1\n'
+         'colour = "floor"\nmaterial = "stone"\n')  # fmt: skip
+PIER = '[[body]]\nname = "{}"\nshape = "box"\nhalf_axes = [0.1, 0.15, 0.2]\nposition = [{}, 0.0, 0.2]\ncolour = "pier"\n'
+PIERS = PIER.format("left", 0.0) + PIER.format("right", 0.8)
+GROUND = '[[wall]]\nname = "ground"\nfrom = [-2.0, -0.05]\nto = [4.0, -0.05]\nthickness = 0.1\ncolour = "floor"\nmaterial = "stone"\n'
+# Of the solver (1e-12 of the largest impulse) over sums of a few contacts; numbers of a DATBOX have eight digits.
+EXACT, DIGITS = 1e-9, 1e-6
+
+
+def box_of(low, high, name):
+    """A box as an object of an OBJ file."""
+    (a, b, c), (d, e, f) = low, high
+    points = [(a, b, c), (d, b, c), (d, e, c), (a, e, c), (a, b, f), (d, b, f), (d, e, f), (a, e, f)]
+    sides = (1, 4, 3, 2), (5, 6, 7, 8), (1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8)
+    return "\n".join([f"o {name}", *("v {} {} {}".format(*point) for point in points), *("f {} {} {} {}".format(*side) for side in sides)])
+
+
+def tile(name, x, colour, speed=1.0, more=""):
+    """A square that slides over the ground."""
+    return (f'[[body]]\nname = "{name}"\nshape = "polygon"\nvertices = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]]\n'
+            f'position = [{x}, 0.1]\nvelocity = [{speed}, 0.0]\ncolour = "{colour}"\nmaterial = "stone"\n{more}')  # fmt: skip
+
+
+class BesideDatbox(ProgramCase):
+    def folder(self, text, name="BOX", *words):
+        """Write the scene of a deck as a DATBOX, and give the beginning of a deck that uses it."""
+        (self.place / "whole.toml").write_text(text)
+        self.run_program("convert", "whole.toml", name, *words)
+        return f'[scene]\ndatbox = "{name}"\n' + RUN
+
+    def track(self, body, output="out"):
+        return [{name: float(value) for name, value in row.items() if name not in ("body", "step")}
+                for row in self.rows(output, "tracks.csv") if row["body"] == body]  # fmt: skip
+
+    def same_tracks(self, ours, theirs, body, other=None, delta=EXACT):
+        for one, two in zip(self.track(body, ours), self.track(other or body, theirs), strict=True):
+            for name, value in one.items():
+                self.assertAlmostEqual(value, two[name], delta=delta * max(1.0, abs(value)), msg=(body, name))
+
+    def on_several_ranks(self, ranks, text, bodies):
+        """The deck on several ranks: the motion is that on one."""
+        if not self.launcher:
+            return
+        self.on_ranks(ranks, text, "ranks")
+        for body in bodies:
+            self.same_tracks("out", "ranks", body)
+
+    def goes_on(self, text, *files):
+        """A run that stops half way and goes on has the rows of the straight one, bit for bit."""
+        if not self.has_hdf5():
+            return
+        self.run_deck(text, "--set", "time.steps=50", output="half")
+        (self.place / "deck.toml").write_text(text)
+        self.call("--restart", "half", "--quiet", output="on")
+        for file in files:
+            rows = self.rows("on", file)
+            self.assertEqual([row for row in self.rows(file=file) if int(row["step"]) > 50], [row for row in rows if int(row["step"]) > 50])
+
+    def test_blocks(self):
+        """A beam of a mesh file on two piers of a folder: weights in closed form, the native scene, ranks, restarts."""
+        (self.place / "beam.obj").write_text(box_of((-100, -150, 400), (900, 150, 500), "beam") + "\n")
+        more = ('[[blocks]]\nfiles = "beam.obj"\nscale = 1e-3\nmaterial = "stone"\ncolour = "beam"\n[[track]]\nbody = "beam"\n'
+                '[[interface]]\nbetween = [{}, "beam"]\n[[interface]]\nbetween = [{}, "beam"]\n')  # fmt: skip
+        whole = SPACE + RUN + STONE + ROUGH + FLOOR + PIERS
+        self.run_deck(whole + more.format('"left"', '"right"'), output="native")
+        # In a folder a wall is numbered as in the deck, behind the bodies.
+        half = self.folder(whole) + more.format(1, 2) + "[[interaction]]\n"
+        self.run_deck(half)
+        joints = self.rows(file="interfaces.csv")[-2:]
+        weight = 2500 * 1.0 * 0.3 * 0.1 * G
+        # Of rigid bodies the sum alone is unique.
+        self.assertLessEqual(abs(sum(float(joint["normal_force"]) for joint in joints) - weight), DIGITS * weight)
+        for joint in joints:
+            self.assertAlmostEqual(float(joint["area"]), 0.06, delta=DIGITS)
+        self.same_tracks("native", "out", "beam", delta=DIGITS)
+        walls = self.rows(file="walls.csv")[-1]
+        self.assertAlmostEqual(float(walls["force_z"]) / -(weight + 2 * 2500 * 0.2 * 0.3 * 0.4 * G), 1.0, delta=DIGITS)
+        self.on_several_ranks(3, half, ["beam"])
+        self.goes_on(half, "record.csv", "interfaces.csv", "tracks.csv")
+
+    def test_see_tables_come_first(self):
+        """A pair that a see table of the folder fits keeps its law; the interaction of the deck is for the others."""
+        folder = self.folder(PLANE + RUN + STONE + ROUGH + GROUND + tile("old", 0.0, "tile"))
+        law = '[[law]]\nname = "ice"\nkind = "IQS_CLB"\nfriction = 0.1\n'
+        text = folder + tile("like", 1.0, "tile") + tile("other", 2.0, "other") + law + '[[interaction]]\nlaw = "ice"\n' \
+            + "".join(f"[[track]]\nbody = {body}\n" for body in ('"like"', '"other"', 1))  # fmt: skip
+        self.run_deck(text)
+        for body, friction in (("1", 0.6), ("like", 0.6), ("other", 0.1)):
+            self.assertAlmostEqual(self.track(body)[-1]["velocity_x"], 1 - friction * G * 0.1, delta=DIGITS)
+        self.on_several_ranks(2, text, ["1", "like", "other"])
+        self.goes_on(text, "record.csv", "tracks.csv")
+        (self.place / "deck.toml").write_text((self.place / "out/effective.toml").read_text())
+        self.call("--quiet", output="again")
+        self.assertEqual(self.rows(file="tracks.csv"), self.rows("again", "tracks.csv"))
+        # The scene of both is written as one folder.
+        (self.place / "deck.toml").write_text(text)
+        self.run_program("convert", "deck.toml", "BOTH")
+        self.run_deck('[scene]\ndatbox = "BOTH"\n' + RUN + "".join(f"[[track]]\nbody = {body}\n" for body in (1, 3, 4)))
+        for body, friction in (("1", 0.6), ("3", 0.6), ("4", 0.1)):
+            self.assertAlmostEqual(self.track(body)[-1]["velocity_x"], 1 - friction * G * 0.1, delta=DIGITS)
+
+    def test_links(self):
+        """Rods between a body of a folder and one of the deck, between two of the deck, and between near points; a joint: as natively."""
+        disk = '[[body]]\nname = "{}"\nshape = "disk"\nradius = 0.1\nposition = [{}, {}]\ncolour = "disk"\nmaterial = "stone"\n'
+        point = '[[body]]\nname = "{}"\nshape = "point"\nmaterial = "stone"\nmass = 2.0\nposition = [{}, 0.0]\ncolour = "knot"\n'
+        rod = '[[law]]\nname = "rod"\nkind = "ROD"\naxial_stiffness = 2e3\n'
+        knots = '[[interaction]]\ncandidate_shape = "point"\nantagonist_shape = "point"\nlaw = "rod"\nalert = 0.6\n'
+        contacts = '[[interaction]]\ncandidate = "disk"\nantagonist = "disk"\nlaw = "rough"\nalert = 0.01\n'
+        old = disk.format("hook", 0.0, 0.0) + "fixed = true\n" + point.format("a", 1.0) + "fixed = true\n" + point.format("b", 1.5)
+        new = disk.format("bob", 0.5, 0.0) + disk.format("low", 0.5, -0.5) + point.format("c", 2.0)
+        link = '[[link]]\nbodies = [{}, {}]\nlaw = "rod"\n'
+        links = link.format("{}", '"bob"') + link.format('"bob"', '"low"') + '[[joint]]\nbodies = ["low", {}]\npoint = [1.0, -0.5]\n'
+        tracks = "".join(f'[[track]]\nbody = "{name}"\n' for name in ("bob", "low", "c"))
+        head = PLANE + RUN + STONE + ROUGH + rod
+        self.run_deck(head + old + new + knots + contacts + links.format('"hook"', '"a"') + tracks, output="native")
+        text = self.folder(head + old + knots + contacts) + new + links.format(1, 2) + tracks
+        self.run_deck(text)
+        for body in ("bob", "low", "c"):
+            # The see tables of the folder link its own points, and those of the deck to them.
+            self.same_tracks("native", "out", body, delta=DIGITS)
+            self.assertGreater(abs(self.track(body)[-1]["velocity_y"]), 0.1)
+        self.on_several_ranks(2, text, ("bob", "low", "c"))
+        self.goes_on(text, "record.csv", "tracks.csv")
+
+    def test_state(self):
+        """A folder in the state of a run, with its contacts: grains of the deck fall beside it, which goes on as it would alone."""
+        if not self.has_hdf5():
+            return
+        head = PLANE + RUN + STONE + ROUGH
+        old = GROUND + tile("one", 0.0, "tile", 2.0) + tile("two", 0.25, "tile", 0.0)
+        more = '[[sample]]\nbox = [2.0, 0.5, 3.0, 1.5]\ncount = 20\nradius = [0.04, 0.06]\nmaterial = "stone"\ncolour = "grain"\n'
+        tracks = "".join(f"[[track]]\nbody = {body}\n" for body in (1, 2, 3, 4, 23))
+        contact = '[[interaction]]\nalert = 0.01\n'
+        self.run_deck(head + old, output="start")
+        state = self.folder(head + old, "STATE", "--restart", "start")
+        text = state + more + contact + tracks
+        self.run_deck(state + "".join(f"[[track]]\nbody = {body}\n" for body in (1, 2, 3)), output="alone")
+        self.run_deck(text)
+        self.assertAlmostEqual(float(self.rows()[0]["time"]), 0.11, delta=EXACT)
+        for body in ("1", "2"):
+            self.same_tracks("alone", "out", body)
+        for body in ("4", "23"):
+            self.assertAlmostEqual(self.track(body)[-1]["velocity_y"], -G * 0.1, delta=DIGITS)
+        self.on_several_ranks(2, text, ("1", "2", "4", "23"))
+        self.goes_on(text, "record.csv")
+
+    def test_mistakes(self):
+        """Names that are taken, laws that are not there, shapes in each other: sentence and place; what overlaps in the folder may."""
+        old = STONE + ROUGH + GROUND + tile("old", 0.0, "tile") + tile("same", 0.05, "tile")
+        head = self.folder(PLANE + RUN + old + '[[interaction]]\ncandidate = "tile"\nantagonist = "floor"\n')
+        for more, sentence in (
+            (STONE, 'the DATBOX has a material named "stone"'),
+            ('[[law]]\nname = "rogh"\nfriction = 0.3\n', 'the DATBOX has no law named "rogh", and a law of the deck needs the key "kind"'),
+            ('[[law]]\nname = "rough"\nfriction = 0.3\n', "adds moments against rolling or twisting alone"),
+            (tile("new", 0.1, "tile") + "[[interaction]]\n", 'body 1 and "new" overlap at the start'),
+            (tile("new", 1.0, "tile") + tile("new", 2.0, "tile"), 'there are two bodies named "new"'),
+            (tile("new", 1.0, "tile") + '[[link]]\nbodies = [9, "new"]\n', "there is no body 9: the scene has 4"),
+            ("[cell]\nsize = [1.0, 1.0]\n", "a periodic cell cannot stand next to scene.datbox"),
+        ):  # fmt: skip
+            said = self.run_deck(head + more, code=2).stderr
+            self.assertIn(sentence, said)
+            self.assertRegex(said, r"deck\.toml:\d+:\d+: error: .*\n.*\n *\^")
+        lonely = tile("new", 1.0, "lone") + '[[law]]\nname = "ice"\nkind = "IQS_CLB"\n'
+        said = self.run_deck(head + lonely).stderr
+        self.assertIn("no see table fits POLYG of colour 'lone', which touches nothing; an [[interaction]]", said)
+        self.assertIn("no interaction, no link and no bond names this law", said)
+        hidden = tile("new", 1.0, "tile") + '[[interaction]]\ncandidate = "tile"\ncandidate_shape = "polygon"\nantagonist = "floor"\n' \
+            'antagonist_shape = "segment"\n'  # fmt: skip
+        self.assertIn("see tables of the DATBOX, which come first, take all shapes", self.run_deck(head + hidden).stderr)
+
+
+if __name__ == "__main__":
+    take_program()
+    unittest.main()
