@@ -105,6 +105,7 @@ contains
     end if
     ! Bodies of a folder go by their numbers; those of the deck have none yet.
     call numbers_called(deck, share%common)
+    share%notes_states = deck%ranks > 1 .and. deck%count_of('interaction') + deck%count_of('bond') > 0
     call read_datbox_share(folder, scene, share, sees, diagnostics)
     if (diagnostics%count() > 0) return
     if (scene%bodies%dimension /= deck%dimension) then

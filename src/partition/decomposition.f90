@@ -292,6 +292,7 @@ contains
     type(history_t), intent(inout) :: history
     type(contacts_t), intent(inout) :: contacts
     real(wp), intent(in) :: time_step
+    type(history_t) :: nothing
     integer :: k, side
 
     if (self%is_resumed) then
@@ -310,6 +311,8 @@ contains
     end do
     scene%start_contacts = pack(self%start_contacts, [(all(self%start_contacts(k)%contactor > 0), k=1, size(self%start_contacts))])
     deallocate (self%start_contacts)
+    ! A rank that has read the whole scene holds all of its contacts there.
+    history = nothing
     call start_history(history, scene, time_step, contacts%n_components, contacts%n_internal)
   end subroutine start_contacts_here
 

@@ -46,6 +46,10 @@ program test_share
     '[[clump.shape]]'//nl//'kind = "disk"'//nl//'radius = 1'//nl// &
     '[[clump.shape]]'//nl//'kind = "disk"'//nl//'radius = 2'//nl//'centre = [2, 0]'//nl//'[[clump]]'//nl//'name = "single"'//nl// &
     '[[clump.shape]]'//nl//'kind = "polygon"'//nl//'vertices = [[0, 0], [1, 0], [0, 1]]'//nl
+  character(len=*), parameter :: held = '[[body]]'//nl//'name = "pin"'//nl//'fixed = true'//nl//'shape = "disk"'//nl// &
+    'radius = 0.03'//nl//'position = [1.0, 2.0]'//nl
+  character(len=*), parameter :: by_name = '[[body]]'//nl//'name = "puller"'//nl//'shape = "disk"'//nl//'radius = 0.03'//nl// &
+    'position = [1.0, 3.0]'//nl//'[[drive]]'//nl//'body = "puller"'//nl//'component = "x"'//nl//'value = 0.1'//nl
   type(tests_t) :: t
   type(comm_t) :: comm
 
@@ -67,9 +71,12 @@ program test_share
   call test_shares('two grains', common//floor//'[[sample]]'//nl//'box = [0.0, 0.0, 1.0, 0.1]'//nl//'radius = [0.02, 0.03]'//nl// &
                    'kind = "lattice"'//nl//'count = 2'//nl, 3.0_wp)
   call test_written()
-  call test_datbox('disks', common//bodies_in_plane(40, '')//floor, .true.)
-  call test_datbox('clusters and polygons', common//bodies_in_plane(7, clusters)//floor, .false.)
-  call test_datbox('solids', solid//bodies_in_space(9), .false.)
+  call test_datbox('disks', common//bodies_in_plane(40, '')//floor, .true., held//by_name//above//'kind = "lattice"'//nl// &
+                   driven(5))
+  call test_datbox('clusters and polygons', common//bodies_in_plane(7, clusters)//floor, .false., held//by_name)
+  call test_datbox('solids', solid//bodies_in_space(9), .false., '[[body]]'//nl//'shape = "sphere"'//nl//'radius = 0.05'//nl// &
+                   'position = [0.2, 1.0, 1.0]'//nl//'[[sample]]'//nl//'box = [0.0, 0.0, 1.2, 0.4, 1.0, 1.5]'//nl// &
+                   'radius = [0.03, 0.04]'//nl//'kind = "lattice"'//nl)
   call test_mistakes()
   call test_warnings()
   call t%finish(comm)
@@ -112,10 +119,6 @@ contains
 
   !> Bodies that a deck writes one by one: all ranks keep those that are driven or held.
   subroutine test_written()
-    character(len=*), parameter :: held = '[[body]]'//nl//'name = "pin"'//nl//'fixed = true'//nl//'shape = "disk"'//nl// &
-      'radius = 0.03'//nl//'position = [1.0, 2.0]'//nl
-    character(len=*), parameter :: by_name = '[[body]]'//nl//'name = "puller"'//nl//'shape = "disk"'//nl//'radius = 0.03'//nl// &
-      'position = [1.0, 3.0]'//nl//'[[drive]]'//nl//'body = "puller"'//nl//'component = "x"'//nl//'value = 0.1'//nl
     character(len=*), parameter :: stones = '[[brick_wall]]'//nl//'name = "wall"'//nl//'rows = 5'//nl//'columns = 4'//nl// &
       'brick = [0.2, 0.1, 0.1]'//nl//'position = [1.0, 0.3, 0.0]'//nl//'[[arch]]'//nl//'name = "arch"'//nl// &
       'inner_radius = 1.0'//nl//'outer_radius = 1.2'//nl//'depth = 0.3'//nl//'voussoirs = 9'//nl//'centre = [5.0, 5.0, 0.0]'//nl
@@ -130,10 +133,12 @@ contains
     call test_shares('masonry', solid//stones, 1.02_wp)
   end subroutine test_written
 
-  !> Shares of a DATBOX, and the first steps from the contacts that it knows: the same, bit for bit, as where all ranks read all.
-  subroutine test_datbox(name, text, has_contacts)
+  !> Shares of a DATBOX, and the first steps from the contacts that it knows: the same, bit for bit, as where all ranks read
+  !! all; then with bodies of a deck next to it.
+  subroutine test_datbox(name, text, has_contacts, more)
     character(len=*), intent(in) :: name, text
     logical, intent(in) :: has_contacts
+    character(len=*), intent(in) :: more !! blocks of these bodies, and of drives
     character(len=:), allocatable :: deck, folder
     type(scene_t) :: scene
     type(run_options_t) :: options
@@ -163,6 +168,9 @@ contains
            '[time]'//nl//'step = 1e-3'//nl//'steps = 4'//nl//'[solver]'//nl//'maximum_sweeps = 3'//nl//'check_every = 3'//nl
     call test_shares('DATBOX, '//name, deck, 1.02_wp)
     call compare_steps('DATBOX, '//name, deck)
+    call test_shares('bodies next to a DATBOX, '//name, deck//more//'[[interaction]]'//nl, 1.1_wp)
+    call compare_steps('bodies next to a DATBOX, '//name, deck//more//'[[interaction]]'//nl)
+    call test_mistake('the same bodies twice next to a DATBOX, '//name, deck//more//more//'[[interaction]]'//nl)
     call test_mistake('DATBOX with a bad body, '//name, deck, spoilt=folder)
   end subroutine test_datbox
 

@@ -46,25 +46,27 @@ contains
         call integer_field(file, 9, 15, scene%start_step, ok, diagnostics)
         call real_field(file, triple(1), scene%start_time, ok, diagnostics)
       case ('bdyty')
-        call read_body_state(file, first, scene, moved, share%all, diagnostics)
+        call read_body_state(file, first, scene, moved, share, diagnostics)
       case default
         call pass_over(file, 'outside bodies', diagnostics)
       end select
     end do
+    call share%states_are_read()
   end subroutine read_state
 
-  !> Read the state of one body, from $bdyty to $$$$$$, and drop it where another rank keeps the body.
-  subroutine read_body_state(file, first, scene, moved, n_bodies, diagnostics)
+  !> Read the state of one body, from $bdyty to $$$$$$, and note it or drop it where another rank keeps the body.
+  subroutine read_body_state(file, first, scene, moved, share, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer(i4), intent(in) :: first(:)
     type(scene_t), intent(inout) :: scene
     real(wp), intent(inout) :: moved(:, :)
-    integer, intent(in) :: n_bodies
+    type(share_t), intent(inout) :: share
     type(diagnostics_t), intent(inout) :: diagnostics
+    real(wp) :: displacement(3), speed
     integer :: number, body
-    logical :: in_nodes
+    logical :: in_nodes, ok
 
-    call read_body_number(file, scene%dimension, n_bodies, number, diagnostics)
+    call read_body_number(file, scene%dimension, share%all, number, diagnostics)
     body = local_body(scene%bodies, int(number, i4))
     in_nodes = .false.
     do while (next_in_block(file, diagnostics))
@@ -73,11 +75,13 @@ contains
       if (.not. in_nodes .or. name_field(file, 2) == '') then
         call pass_over(file, 'without a node within a body', diagnostics)
       else if (scene%dimension == 3 .and. name_field(file, 2) == 'NO6xx') then
-        call read_solid_state(file, first, body, scene, moved, diagnostics)
+        call read_solid_state(file, first, body, scene, moved, displacement, speed, ok, diagnostics)
+        if (ok .and. number > 0 .and. body == 0) call share%note_state(number, displacement, speed)
       else if (scene%dimension == 3) then
         call complain_once(file, 'node', 'the state of a body in space is that of its node, NO6xx', 2, diagnostics)
       else if (name_field(file, 2) == 'NO3xx') then
-        call read_planar_state(file, body, scene, moved, diagnostics)
+        call read_planar_state(file, body, scene, moved, displacement, speed, ok, diagnostics)
+        if (ok .and. number > 0 .and. body == 0) call share%note_state(number, displacement(:2), speed)
       else
         call complain_once(file, 'node', 'the state of a body of the plane is that of its node, NO3xx', 2, diagnostics)
       end if
@@ -85,18 +89,20 @@ contains
   end subroutine read_body_state
 
   !> Read displacement and velocity of a body of the plane.
-  subroutine read_planar_state(file, body, scene, moved, diagnostics)
+  subroutine read_planar_state(file, body, scene, moved, displacement, speed, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer, intent(in) :: body
     type(scene_t), intent(inout) :: scene
     real(wp), intent(inout) :: moved(:, :)
+    real(wp), intent(out) :: displacement(3), speed
+    logical, intent(out) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: displacement(3), velocity(3)
-    logical :: ok
+    real(wp) :: velocity(3)
 
     ok = .true.
     call read_triple(file, displacement, ok, diagnostics)
     call read_point(file, 'a velocity', velocity, ok, diagnostics)
+    speed = norm2(velocity(:2))
     if (.not. ok .or. body == 0) return
     scene%bodies%position(:, body) = scene%bodies%position(:, body) + (displacement(1:2) - moved(1:2, body))
     scene%bodies%angle(body) = scene%bodies%angle(body) + (displacement(3) - moved(3, body))
@@ -105,23 +111,26 @@ contains
   end subroutine read_planar_state
 
   !> Read displacement, velocity and frame of a body in space: its spin is about the axes of the frame.
-  subroutine read_solid_state(file, first, body, scene, moved, diagnostics)
+  subroutine read_solid_state(file, first, body, scene, moved, displacement, speed, ok, diagnostics)
     type(datbox_file_t), intent(inout) :: file
     integer(i4), intent(in) :: first(:)
     integer, intent(in) :: body
     type(scene_t), intent(inout) :: scene
     real(wp), intent(inout) :: moved(:, :)
+    real(wp), intent(out) :: displacement(3), speed
+    logical, intent(out) :: ok
     type(diagnostics_t), intent(inout) :: diagnostics
-    real(wp) :: displacement(3), rotation(3), velocity(6), frame(3, 3)
-    logical :: ok
+    real(wp) :: rotation(3), velocity(6), frame(3, 3)
 
     ok = .true.
+    velocity = 0
     call read_triple(file, displacement, ok, diagnostics)
     ! The rotations are summed up there and hold nothing that the frame does not hold better.
     if (ok) call read_point(file, 'a rotation', rotation, ok, diagnostics)
     if (ok) call read_point(file, 'a velocity', velocity(1:3), ok, diagnostics)
     if (ok) call read_point(file, 'a spin', velocity(4:6), ok, diagnostics)
     if (ok) call read_frame(file, frame, ok, diagnostics)
+    speed = norm2(velocity(:3))
     if (.not. ok .or. body == 0) return
     scene%bodies%position(:, body) = scene%bodies%position(:, body) + (displacement - moved(:, body))
     moved(:, body) = displacement

@@ -8,13 +8,16 @@ module sg_share
   use sg_ascending, only: first_at_least, place_in
   use sg_census, only: census_t
   use sg_contactors, only: contactors_t, drop_contactors, kind_point, make_rows, table_all
-  use sg_kinds, only: i4, i8
+  use sg_kinds, only: wp, i4, i8
   use sg_link_network, only: place_of_point, points_t
   use sg_lists, only: reserve
   use sg_scene, only: scene_t
   implicit none
   private
   public :: share_t, piece_of
+
+  !> Place of no body [m]
+  real(wp), parameter :: nowhere = huge(1.0_wp)
 
   !> Bodies made one by one
   type :: share_t
@@ -28,6 +31,11 @@ module sg_share
     type(census_t) :: census
     !> Points of all bodies, whoever keeps them
     type(points_t) :: points
+    !> Are states that a DATBOX gives to bodies of other ranks to be noted? Defaults of a deck's interactions follow from them
+    logical :: notes_states = .false.
+    !> Of such bodies, by number: place now [m], way from that of BODIES.DAT [m], speed [m/s], shape (7, bodies); of others a place
+    !! hugely far off
+    real(wp), allocatable, private :: state(:, :)
     !> Bodies of earlier lots
     integer, private :: earlier = 0
     !> First and last that this rank keeps of the bodies of the lot that are not common, counted without those
@@ -43,6 +51,8 @@ module sg_share
     procedure :: settle => share_settle
     procedure :: finish => share_finish
     procedure :: contactors_of => share_contactors_of
+    procedure :: note_state => share_note_state
+    procedure :: states_are_read => share_states_are_read
   end type share_t
 
 contains
@@ -115,6 +125,8 @@ contains
         n = n + 1
         scene%bodies%id(n) = int(self%made, i4)
         scene%bodies%owner(n) = int(merge(-1, self%rank, is_common), i4)
+        ! The list of an earlier lot has no room left.
+        call reserve(scene%contactors%id, scene%contactors%n)
         do c = self%before + 1, scene%contactors%n
           scene%contactors%id(c) = int(self%contactors + c - self%before, i4)
         end do
@@ -145,15 +157,56 @@ contains
     type(scene_t), intent(inout) :: scene
     integer, intent(in) :: n
 
+    if (self%notes_states) call reserve(self%state, 7, self%made)
+    if (self%notes_states) self%state(1, self%made) = nowhere
     if (n > 0) then
       if (scene%bodies%id(n) == self%made) return
     end if
+    if (self%notes_states) self%state(:scene%dimension, self%made) = scene%bodies%position(:, n + 1)
     if (scene%contactors%n > self%before) &
       call self%census%note_body(self%made, scene%bodies%position(:, n + 1), &
                                  norm2(scene%bodies%velocity(:scene%dimension, n + 1)), scene%contactors, self%before + 1)
     call drop_contactors(scene%contactors, self%before)
     call scene%bodies%clear(n + 1)
   end subroutine let_go
+
+  !> Note the state of a body that another rank keeps. Of two states the last counts.
+  pure subroutine share_note_state(self, number, displacement, speed)
+    class(share_t), intent(inout) :: self
+    integer, intent(in) :: number !! of the body
+    real(wp), intent(in) :: displacement(:) !! from its place in BODIES.DAT [m], shape (dimension)
+    real(wp), intent(in) :: speed !! [m/s]
+    integer :: d
+
+    if (.not. self%notes_states) return
+    d = size(displacement)
+    associate (state => self%state(:, number))
+      ! The sum that gives the place where the body is kept, so that all ranks have the same.
+      state(:d) = state(:d) + (displacement - state(4:3 + d))
+      state(4:3 + d) = displacement
+      state(7) = speed
+    end associate
+  end subroutine share_note_state
+
+  !> All states are read: describe the bodies that other ranks keep by them.
+  subroutine share_states_are_read(self)
+    class(share_t), intent(inout) :: self
+    integer :: i
+
+    if (.not. allocated(self%state)) return
+    associate (census => self%census)
+      census%low = huge(1.0_wp)
+      census%high = -huge(1.0_wp)
+      do i = 1, self%made
+        if (.not. self%state(1, i) < nowhere) cycle
+        census%low = min(census%low, self%state(:3, i))
+        census%high = max(census%high, self%state(:3, i))
+        census%speed = max(census%speed, self%state(7, i))
+      end do
+    end associate
+    deallocate (self%state)
+    self%notes_states = .false.
+  end subroutine share_states_are_read
 
   !> All bodies are made: give back the room that is left.
   subroutine share_finish(self, scene, n)
