@@ -147,6 +147,24 @@ class BesideDatbox(ProgramCase):
         self.on_several_ranks(2, text, ("bob", "low", "c"))
         self.goes_on(text, "record.csv", "tracks.csv")
 
+    def test_walls(self):
+        """Two walls of a folder, two of the deck of which one is pressed, and grains of the deck: the rows and the cell of the native run."""
+        wall = '[[wall]]\nname = "{}"\nfrom = [{}, {}]\nto = [{}, {}]\nthickness = 0.02\nmaterial = "stone"\n'
+        old = wall.format("bottom", 0.0, 0.0, 1.0, 0.0) + wall.format("left", 0.0, 0.0, 0.0, 1.0)
+        new = wall.format("right", 1.0, 0.0, 1.0, 1.0) + wall.format("top", 0.0, 1.0, 1.0, 1.0) \
+            + "pressure = 1000.0\ndirection = [0.0, -1.0]\n[[sample]]\nbox = [0.05, 0.05, 0.95, 0.95]\nradius = [0.02, 0.03]\nfill = 0.4\n"
+        self.run_deck(PLANE + RUN + STONE + ROUGH + old + new, output="native")
+        # A folder of walls alone has no see table.
+        text = self.folder(PLANE + RUN + STONE + ROUGH + old) + new + "[[interaction]]\n"
+        self.assertNotIn("no see table", self.run_deck(text).stderr)
+        names = [row["wall"] for row in self.rows(file="walls.csv")[-4:]]
+        self.assertEqual(names, ["1", "2", "right", "top"])
+        for ours, theirs in zip(self.rows(file="walls.csv"), self.rows("native", "walls.csv"), strict=True):
+            for name in ("x", "y", "velocity_y", "force_y"):
+                self.assertAlmostEqual(float(ours[name]), float(theirs[name]), delta=DIGITS * max(1.0, abs(float(theirs[name]))), msg=name)
+        for name in ("cell_x", "cell_y", "strain_yy", "void_ratio"):
+            self.assertAlmostEqual(float(self.rows()[-1][name]), float(self.rows("native")[-1][name]), delta=DIGITS, msg=name)
+
     def test_state(self):
         """A folder in the state of a run, with its contacts: grains of the deck fall beside it, which goes on as it would alone."""
         if not self.has_hdf5():

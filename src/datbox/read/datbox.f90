@@ -29,6 +29,7 @@ module sg_datbox
     private
     type(datbox_file_t) :: file
     integer, allocatable :: lines(:)
+    logical :: has_any = .false.
     integer :: n_laws = 0
   end type folder_sees_t
 
@@ -74,7 +75,7 @@ contains
     scene%contactors%dimension = scene%dimension
     call read_bulk_behaviours(folder, scene, other_bulk, bulk, diagnostics)
     call read_contact_laws(folder, scene, other_laws, sees%file, diagnostics)
-    call read_sees(sees%file, scene, other_laws, sees%lines, diagnostics)
+    call read_sees(sees%file, scene, other_laws, sees%lines, sees%has_any, diagnostics)
     sees%n_laws = size(scene%laws)
     call count_bodies(bodies, n)
     call keep_driven(folder, scene%dimension, n, share)
@@ -106,6 +107,8 @@ contains
     type(folder_sees_t), intent(inout) :: sees !! see tables of the folder
     type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
 
+    if (sees%file%n > 0 .and. .not. sees%has_any .and. size(scene%sees) == 0) &
+      call diagnostics%warn('no see table: nothing touches anything', file=sees%file%path)
     call check_sees(scene, others, sees%lines, sees%file, diagnostics)
     call warn_of_unused_sees(scene, others, sees%lines, sees%n_laws, sees%file, diagnostics)
   end subroutine check_folder_sees

@@ -30,13 +30,13 @@ contains
   end function datbox_kind_name
 
   !> Read all see tables.
-  subroutine read_sees(file, scene, others, see_lines, diagnostics)
+  subroutine read_sees(file, scene, others, see_lines, has_see, diagnostics)
     type(datbox_file_t), intent(inout) :: file !! TACT_BEHAV.DAT, laws read
     type(scene_t), intent(inout) :: scene !! scene with its laws; gets colours and see tables
     type(other_law_t), intent(inout) :: others(:) !! contact laws that are not done
     integer, allocatable, intent(out) :: see_lines(:) !! line of each see table of the scene
+    logical, intent(out) :: has_see !! has the file a see table, taken or left out?
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    logical :: has_see
 
     scene%sees = [see_t ::]
     if (.not. allocated(scene%colours)) allocate (scene%colours(0))
@@ -52,8 +52,6 @@ contains
         call read_see(file, scene, others, see_lines, diagnostics)
       end select
     end do
-    if (file%n == 0 .or. has_see) return
-    call diagnostics%warn('no see table: nothing touches anything', file=file%path)
   end subroutine read_sees
 
   !> Read one see table: a title, a line of names and the alert distance, perhaps a halo.
