@@ -8,6 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program  # noqa: E402
 
+TRILITH = Path(__file__).resolve().parents[2] / "input_decks/masonry/trilith.toml"
 G = 9.81
 RUN = """[time]
 step = 1e-3
@@ -102,6 +103,24 @@ class BesideDatbox(ProgramCase):
         self.assertAlmostEqual(float(walls["force_z"]) / -(weight + 2 * 2500 * 0.2 * 0.3 * 0.4 * G), 1.0, delta=DIGITS)
         self.on_several_ranks(2, half, ["beam"])
         self.goes_on(half, "record.csv", "interfaces.csv", "tracks.csv")
+
+    def test_trilith(self):
+        """A lintel of a mesh file on two columns of a folder: the push at which it rocks, and how the rocking begins."""
+        self.run_program("run", TRILITH, "--quiet", "--output", "out")
+        width, height, column, lintel = 0.4, 2.0, 0.4 * 0.4 * 2.0, 2.6 * 0.4 * 0.3
+        way = {round(row["time"], 6): row["x"] - 1.0 for row in self.track("lintel")}
+        # Columns turn about their edges, the lintel stays level: its virtual work gives width over height, whatever the masses.
+        rocks = min(time for time, x in way.items() if abs(x) > 1e-6)
+        self.assertLess(max(abs(x) for time, x in way.items() if time <= 1.0), 1e-8)
+        self.assertAlmostEqual((0.19 + 0.01 * rocks) / (width / height), 1.0, delta=3e-3)
+        # The push grows by 0.01 g per second: the angle begins as the third power of time; turned edges add 1 % in 0.1 s.
+        square = width**2 + height**2
+        growth = 0.01 * G * height * (column + lintel) / (2 * column * square / 3 + lintel * square)
+        self.assertAlmostEqual(way[1.09] / (height * growth * 0.09**3 / 6), 1.0, delta=1e-2)
+        joints = self.rows(file="interfaces.csv")
+        # At rest the columns bear it together.
+        weight = 2400 * lintel * G
+        self.assertAlmostEqual(sum(float(row["normal_force"]) for row in joints[:2]) / weight, 1.0, delta=1e-5)
 
     def test_see_tables_come_first(self):
         """A pair that a see table of the folder fits keeps its law; the interaction of the deck is for the others."""
