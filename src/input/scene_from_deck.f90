@@ -180,6 +180,10 @@ contains
           bodies%crossings_y(i) = periods_in(bodies%position(2, i)/scene%period_y)
           bodies%position(2, i) = modulo(bodies%position(2, i), scene%period_y)
         end if
+        if (scene%period_z > 0) then
+          bodies%crossings_z(i) = periods_in(bodies%position(3, i)/scene%period_z)
+          bodies%position(3, i) = modulo(bodies%position(3, i), scene%period_z)
+        end if
       end do
     end associate
   end subroutine wrap

@@ -184,6 +184,31 @@ class BesideDatbox(ProgramCase):
         for name in ("cell_x", "cell_y", "strain_yy", "void_ratio"):
             self.assertAlmostEqual(float(self.rows()[-1][name]), float(self.rows("native")[-1][name]), delta=DIGITS, msg=name)
 
+    def test_cell(self):
+        """Grains of a folder in a periodic cell under stress and strain: as those of the deck itself, also on two ranks."""
+        cells = {2: "[cell]\nsize = [1.0, 1.0]\nstress_xx = 1e4\nshear_rate = 0.5\n",
+                 3: "[cell]\nsize = [1.0, 1.0, 1.0]\nstress_xx = 1e4\nstress_yy = 1e4\nstrain_rate_zz = 0.2\nshear_rate = 0.1\n"}  # fmt: skip
+        for dimension, cell in cells.items():
+            with self.subTest(dimension=dimension):
+                scene, shape = (PLANE, "disk") if dimension == 2 else (SPACE, "sphere")
+                # Within the cell, where the places of a sample do not depend on periods.
+                grains = f'[[sample]]\nbox = {[0.01] * dimension + [0.99] * dimension}\nshape = "{shape}"\nradius = [0.06, 0.08]\nfill = 0.3\n'
+                self.run_deck(scene + RUN + STONE + ROUGH + grains + cell, output="native")
+                text = self.folder(scene + RUN + STONE + ROUGH + grains, f"GRAINS{dimension}") + cell
+                self.run_deck(text)
+                # Impacts enlarge what eight digits of a folder leave.
+                names = ["kinetic_energy", "cell_x", "strain_xy", "stress_xx"]
+                for ours, theirs in zip(self.rows(), self.rows("native"), strict=True):
+                    for name in names:
+                        self.assertAlmostEqual(float(ours[name]) / (float(theirs[name]) or 1.0), 1.0 if float(theirs[name]) else 0.0,
+                                               delta=1e-3, msg=name)  # fmt: skip
+                self.assertGreater(int(self.rows()[-1]["contacts"]), 10)
+                self.goes_on(text, "record.csv")
+                if self.launcher:
+                    self.on_ranks(2, text, "ranks")
+                    for name in names:
+                        self.assertAlmostEqual(float(self.rows("ranks")[-1][name]) / float(self.rows()[-1][name]), 1.0, delta=1e-6, msg=name)
+
     def test_state(self):
         """A folder in the state of a run, with its contacts: grains of the deck fall beside it, which goes on as it would alone."""
         if not self.has_hdf5():
@@ -220,7 +245,8 @@ class BesideDatbox(ProgramCase):
             (tile("new", 0.1, "tile") + "[[interaction]]\n", 'body 1 and "new" overlap at the start'),
             (tile("new", 1.0, "tile") + tile("new", 2.0, "tile"), 'there are two bodies named "new"'),
             (tile("new", 1.0, "tile") + '[[link]]\nbodies = [9, "new"]\n', "there is no body 9: the scene has 4"),
-            ("[cell]\nsize = [1.0, 1.0]\n", "a periodic cell cannot stand next to scene.datbox"),
+            ("[cell]\nsize = [9.0, 9.0]\n", "a periodic cell holds free grains alone"),
+            ("[repeat]\ncount = 2\nshift = [9.0, 0.0]\n", "a DATBOX cannot be repeated"),
         ):  # fmt: skip
             said = self.run_deck(head + more, code=2).stderr
             self.assertIn(sentence, said)

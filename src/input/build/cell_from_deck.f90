@@ -72,8 +72,6 @@ contains
     character(len=*), parameter :: no_weight = 'there is no gravity in a periodic cell: nothing would carry its weight'
     integer :: i
 
-    if (deck%is_given(b, 'datbox')) &
-      call deck%complain(diagnostics, 'a periodic cell cannot stand next to scene.datbox', b, 'datbox')
     if (deck%is_given(b, 'period_x')) call deck%complain(diagnostics, 'the periods are those of cell.size', b, 'period_x')
     if (deck%is_given(b, 'period_y')) call deck%complain(diagnostics, 'the periods are those of cell.size', b, 'period_y')
     do i = 1, deck%n
