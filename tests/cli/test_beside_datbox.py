@@ -164,6 +164,16 @@ class BesideDatbox(ProgramCase):
         self.on_several_ranks(2, text, ("bob", "low", "c"))
         self.goes_on(text, "record.csv", "tracks.csv")
 
+    def test_bonds(self):
+        """A stone of the deck glued under a fixed one of the folder, by a law of the deck: it hangs by weight over stiffness."""
+        folder = self.folder(PLANE + RUN + STONE + ROUGH + tile("top", 0.0, "top", 0.0, "fixed = true\n"))
+        glue = '[[law]]\nname = "glue"\nkind = "IQS_MAC_CZM"\nnormal_stiffness = 1e9\ntangential_stiffness = 1e9\nadhesion_energy = 10.0\n'
+        stone = tile("stone", 0.0, "stone", 0.0).replace("position = [0.0, 0.1]", "position = [0.0, -0.1]")
+        self.run_deck(folder + stone + glue + '[[bond]]\nbodies = [1, "stone"]\nlaw = "glue"\n[[track]]\nbody = "stone"\n')
+        hangs = 2500 * 0.2 * 0.2 * G / (1e9 * 0.2)
+        # The solver leaves 1e-12 of the impulse; a place of 0.1 m has 16 digits.
+        self.assertAlmostEqual((-0.1 - self.track("stone")[-1]["y"]) / hangs, 1.0, delta=1e-8)
+
     def test_walls(self):
         """Two walls of a folder, two of the deck of which one is pressed, and grains of the deck: the rows and the cell of the native run."""
         wall = '[[wall]]\nname = "{}"\nfrom = [{}, {}]\nto = [{}, {}]\nthickness = 0.02\nmaterial = "stone"\n'
