@@ -25,7 +25,7 @@ contains
     character(len=:), allocatable :: name
     integer :: b, i, n
 
-    allocate (names(maxval([0, deck%blocks(:deck%n)%last_body])), named(size(names)))
+    allocate (names(max(0, maxval(deck%blocks(:deck%n)%last_body) - deck%folder_bodies)), named(size(names)))
     n = 0
     do b = 1, deck%n
       do i = deck%blocks(b)%first_body, merge(deck%blocks(b)%last_body, -1, deck%blocks(b)%first_body > 0)
