@@ -29,7 +29,7 @@ module sg_scene_from_deck
   use sg_system, only: file_exists
   use sg_text, only: to_text
   use sg_time_function_from_deck, only: path_in_deck
-  use sg_unused_laws, only: warn_of_unused_laws
+  use sg_unused_laws, only: laws_of_links, warn_of_unused_laws
   implicit none
   private
   public :: scene_from_deck
@@ -75,7 +75,7 @@ contains
     call drives_from_deck(deck, scene, diagnostics)
     call interactions_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() == 0) call warn_of_unused_laws(deck, scene, diagnostics)
-    if (has_folder) call check_folder_sees(scene, share%census, sees, diagnostics)
+    if (has_folder) call check_folder_sees(scene, share%census, sees, laws_of_links(deck, scene), diagnostics)
     call bonds_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() == 0) call link_by_distance(scene, share%points, linked=points)
     call links_from_deck(deck, scene, diagnostics)

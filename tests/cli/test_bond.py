@@ -98,7 +98,8 @@ class Bond(ProgramCase):
         self.run_program("convert", "deck.toml", "DATBOX")
         head = DECK[:DECK.index("[[material]]")].replace("[time]", '[scene]\ndatbox = "DATBOX"\n[time]', 1)
         bonds = "".join(f'[[bond]]\nbodies = [{a}, {b}]\nlaw = "glue"\n' for a, b in ((1, 2), (2, 3), (3, 4), (4, 5)))
-        self.run_deck(head + bonds + "[[track]]\nbody = 2\n[[track]]\nbody = 6\n")
+        done = self.run_deck(head + bonds + "[[track]]\nbody = 2\n[[track]]\nbody = 6\n")
+        self.assertNotIn("no see table names the contact law", done.stderr)
         self.check_strength()
 
     def test_mistakes(self):

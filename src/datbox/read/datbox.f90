@@ -46,11 +46,12 @@ contains
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes and warnings found
     type(share_t) :: all
     type(folder_sees_t) :: sees
-    integer :: before
+    integer :: before, i
 
     before = diagnostics%count()
     call read_datbox_share(folder, scene, all, sees, diagnostics)
-    if (diagnostics%count() == before) call check_folder_sees(scene, all%census, sees, diagnostics)
+    if (diagnostics%count() > before) return
+    call check_folder_sees(scene, all%census, sees, [(.false., i=1, size(scene%laws))], diagnostics)
   end subroutine read_datbox
 
   !> The same where several ranks read: each keeps its share. All find the same mistakes. Whether see tables are of use is to be
@@ -101,16 +102,17 @@ contains
 
   !> Warn of see tables without use, of laws that none names, and of shapes that no see table and no interaction brings
   !! together with others.
-  subroutine check_folder_sees(scene, others, sees, diagnostics)
+  subroutine check_folder_sees(scene, others, sees, is_named, diagnostics)
     type(scene_t), intent(in) :: scene !! scene with all bodies and see tables, those of the folder first
     type(census_t), intent(in) :: others !! bodies that other ranks keep
     type(folder_sees_t), intent(inout) :: sees !! see tables of the folder
+    logical, intent(in) :: is_named(:) !! laws that links and bonds of a deck name, shape (laws)
     type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
 
     if (sees%file%n > 0 .and. .not. sees%has_any .and. size(scene%sees) == 0) &
       call diagnostics%warn('no see table: nothing touches anything', file=sees%file%path)
     call check_sees(scene, others, sees%lines, sees%file, diagnostics)
-    call warn_of_unused_sees(scene, others, sees%lines, sees%n_laws, sees%file, diagnostics)
+    call warn_of_unused_sees(scene, others, sees%lines, is_named(:sees%n_laws), sees%file, diagnostics)
   end subroutine check_folder_sees
 
   !> All of several ranks keep the bodies that are driven.

@@ -15,11 +15,11 @@ module sg_datbox_uses
 contains
 
   !> Warn of what TACT_BEHAV.DAT lists in vain and of what it leaves out.
-  subroutine warn_of_unused_sees(scene, others, see_lines, n_laws, file, diagnostics)
+  subroutine warn_of_unused_sees(scene, others, see_lines, is_named, file, diagnostics)
     type(scene_t), intent(in) :: scene !! scene with bodies and see tables
     type(census_t), intent(in) :: others !! bodies that other ranks keep
     integer, intent(in) :: see_lines(:) !! line of each see table, which come before those of a deck
-    integer, intent(in) :: n_laws !! laws of the folder, which come before those of a deck
+    logical, intent(in) :: is_named(:) !! of the laws of the folder, the first ones: do links or bonds of a deck name them?
     type(datbox_file_t), intent(inout) :: file !! TACT_BEHAV.DAT
     type(diagnostics_t), intent(inout) :: diagnostics !! warnings gathered
     type(see_uses_t) :: uses
@@ -32,8 +32,8 @@ contains
       call remark(file, 'hidden see table', 'this see table has no effect: that of line '//to_text(see_lines(uses%line(i)))// &
                   ' comes first and takes all its contactors', 1, diagnostics)
     end do
-    do i = 1, n_laws
-      if (any(scene%sees%law == i)) cycle
+    do i = 1, size(is_named)
+      if (is_named(i) .or. any(scene%sees%law == i)) cycle
       call diagnostics%warn('no see table names the contact law '''//scene%laws(i)%name//'''', file=file%path, kind='unused law')
     end do
     do i = 1, size(uses%alone, 2)

@@ -9,7 +9,7 @@ module sg_unused_laws
   use sg_text, only: to_text
   implicit none
   private
-  public :: warn_of_unused_laws
+  public :: laws_of_links, warn_of_unused_laws
 
 contains
 
@@ -53,6 +53,16 @@ contains
                      ' of colour "'//scene%colours(uses%alone(2, i))%s//'"', interactions(1), kind='touches nothing')
     end do
   end subroutine warn_of_unused_laws
+
+  !> Which laws of a scene do links and bonds of the deck name, shape (laws)
+  function laws_of_links(deck, scene) result(named)
+    type(deck_t), intent(in) :: deck !! checked deck
+    type(scene_t), intent(in) :: scene !! scene with its laws
+    logical :: named(size(scene%laws))
+    integer :: i
+
+    named = [(has_link(deck, scene%laws(i)%name), i=1, size(scene%laws))]
+  end function laws_of_links
 
   !> Does a link or a bond of the deck name a law? They are made after interactions are checked.
   logical function has_link(deck, law)
