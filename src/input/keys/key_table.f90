@@ -103,7 +103,10 @@ module sg_key_table
   !> The whole table
   type, extends(option_visitor_t) :: key_table_t
     type(section_t), allocatable :: sections(:)
+    !> Keys; while the table is filled there is room for more, which `finish` takes away
     type(key_t), allocatable :: keys(:)
+    !> Number of keys added
+    integer :: n_keys = 0
   contains
     procedure :: integer_option
     procedure :: real_option
@@ -111,6 +114,7 @@ module sg_key_table
     procedure :: word_option
     procedure :: open_section
     procedure :: close_section
+    procedure :: finish
     procedure :: add
     procedure :: find_section
     procedure :: find_key
@@ -137,8 +141,8 @@ contains
     if (present(is_list)) section%is_list = is_list
     if (present(dimension)) section%dimension = dimension
     if (present(used_for)) call put(section%used_for, used_for)
-    section%first = size(self%keys) + 1
-    section%last = size(self%keys)
+    section%first = self%n_keys + 1
+    section%last = self%n_keys
     self%sections = [self%sections, section]
   end subroutine open_section
 
@@ -178,7 +182,7 @@ contains
 
     associate (section => self%sections(size(self%sections)))
       key%section = section%name
-      section%last = size(self%keys) + 1
+      section%last = self%n_keys + 1
       call put_condition(trim(section%used_for), key%switch, key%used_for)
     end associate
     call put(key%name, name)
@@ -207,8 +211,28 @@ contains
     end if
     if (present(usual)) key%usual = usual
     if (present(hint)) call put(key%hint, hint)
-    self%keys = [self%keys, key]
+    if (self%n_keys == size(self%keys)) call resize(self, max(32, 2*self%n_keys))
+    self%n_keys = self%n_keys + 1
+    self%keys(self%n_keys) = key
   end subroutine add
+
+  !> End the table: it has no room beyond its last key.
+  subroutine finish(self)
+    class(key_table_t), intent(inout) :: self
+
+    call resize(self, self%n_keys)
+  end subroutine finish
+
+  !> Change the room for keys. It doubles while the table is filled: hundreds of keys of 2 kB are not copied for each one added.
+  subroutine resize(table, n)
+    class(key_table_t), intent(inout) :: table
+    integer, intent(in) :: n
+    type(key_t), allocatable :: keys(:)
+
+    allocate (keys(n))
+    keys(:table%n_keys) = table%keys(:table%n_keys)
+    call move_alloc(keys, table%keys)
+  end subroutine resize
 
   !> Add a whole number of a method, whose value is the default, as key.
   subroutine integer_option(self, option, value)
@@ -255,7 +279,7 @@ contains
 
     call table%add(trim(option%name), kind, trim(option%sentence), unit=trim(option%unit), default=default, least=option%least, &
                    most=option%most, choices=trim(option%choices), former_key=trim(option%former))
-    associate (key => table%keys(size(table%keys)))
+    associate (key => table%keys(table%n_keys))
       key%is_open = option%above > option%least
       if (key%is_open) key%lowest = option%above
     end associate

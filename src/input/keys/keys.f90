@@ -31,5 +31,6 @@ contains
     call add_generator_keys(table)
     call add_passage_keys(table)
     call add_drive_keys(table)
+    call table%finish()
   end function all_keys
 end module sg_keys

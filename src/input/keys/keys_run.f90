@@ -135,11 +135,11 @@ contains
                      default=short_real(default%imbalance), above=1.0_wp)
     end associate
     do i = 1, size(couplings)
-      first = size(table%keys)
+      first = table%n_keys
       call table%open_section('partition.'//trim(couplings(i)%name), 'Options of this gluing alone.', &
                               used_for='gluing='//trim(couplings(i)%name))
       call couplings(i)%coupled%visit_options(table)
-      if (size(table%keys) == first) call table%close_section()
+      if (table%n_keys == first) call table%close_section()
     end do
   end subroutine add_partition
 
