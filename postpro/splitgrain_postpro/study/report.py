@@ -1,13 +1,12 @@
 """From results to CSV, figures, tables and the page."""
 
-import io
 import math
 from collections.abc import Callable
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from ..style import styled
+from ..style import as_png, styled
 from . import drawings, page
 from .choice_report import choice_section
 from .csv_text import csv_text
@@ -267,9 +266,7 @@ class Report:
 
     def save(self, figure: Figure, name: str, words: str) -> str:
         """Write a figure as PNG; returns it for the page, as SVG."""
-        file = io.BytesIO()
-        figure.savefig(file, format="png", dpi=130)
-        self.store.write(self.store.folder / f"{name}.png", file.getvalue())
+        self.store.write(self.store.folder / f"{name}.png", as_png(figure))
         self.figures += 1
         return embedded(figure, self.figures, words, self.series)
 

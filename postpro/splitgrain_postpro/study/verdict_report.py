@@ -1,11 +1,10 @@
 """From verdicts to CSV, figures, lines and the page."""
 
-import io
 from collections.abc import Iterator
 
 from matplotlib.figure import Figure
 
-from ..style import styled
+from ..style import as_png, styled
 from . import page, verdict_drawings
 from .csv_text import csv_text
 from .deck_titles import deck_section
@@ -85,9 +84,7 @@ class VerdictReport:
 
     def save(self, figure: Figure, name: str, words: str) -> str:
         """Write a figure as PNG; returns it for the page, as SVG."""
-        file = io.BytesIO()
-        figure.savefig(file, format="png", dpi=130)
-        self.store.write(self.store.folder / f"{name}.png", file.getvalue())
+        self.store.write(self.store.folder / f"{name}.png", as_png(figure))
         self.figures += 1
         return embedded(figure, self.figures, words)
 
