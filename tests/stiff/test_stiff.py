@@ -257,19 +257,16 @@ class Laws(Stiff):
 
 
 class Motions(Stiff):
-    # A million steps take 20 CPU seconds; other work may make them ten times as long.
-    timeout = 600
-
-    def test_a_million_steps_of_rest(self):
-        """Three grains lie still: nothing drifts, nothing creeps: heights stay to 1e-12, far below 1e-16 m a step."""
-        steps = 1000000 if "ffpe-trap" not in self.run_program("--version").stdout else 20000
+    def test_a_long_rest(self):
+        """Three grains lie still: nothing drifts, nothing creeps: over 200,000 steps heights stay to 2e-13, 1e-18 of them per step."""
+        steps = 200000 if "ffpe-trap" not in self.run_program("--version").stdout else 20000
         begin = self.run_deck("large_on_small", time__steps=100, time__step=1e-3)
         run = self.run_deck("large_on_small", time__steps=steps, time__step=1e-3, output__record_every=100000)
         self.assertEqual(run["steps"], steps)
         self.assertEqual(run["unconverged_steps"], 0)
         self.assertLess(run["max_velocity"], 1e-9)
         self.assertLess(run["worst_penetration"], 1e-9)
-        self.assert_near(run["potential_energy"] / begin["potential_energy"], 1, 1e-12)
+        self.assert_near(run["potential_energy"] / begin["potential_energy"], 1, 2e-13)
 
     def test_time_steps(self):
         """At rest from a picosecond to ten seconds."""
