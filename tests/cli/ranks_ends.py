@@ -91,13 +91,14 @@ class Stops(Ranks):
         return [int(name) for name in names if Path(f"/proc/{name}/comm").read_text().strip() == Path(self.program).name[:15]]
 
     def test_a_rank_short_of_memory_ends_all_with_a_checkpoint(self):
-        part = [1, "run", self.deck(CROWD.format(alert=10.0)), "--output", "out", "--quiet"]
-        done = self.launch(part, part, code=7, starter=["bash", "-c", 'ulimit -v 800000; exec "$0" "$@"'])
+        crowd = CROWD.replace("count = 12000", "count = 7000")
+        part = [1, "run", self.deck(crowd.format(alert=10.0)), "--output", "out", "--quiet"]
+        done = self.launch(part, part, code=7, starter=["bash", "-c", 'ulimit -v 500000; exec "$0" "$@"'])
         self.assertEqual(len(re.findall("^error: ", done.stderr, re.M)), 1, done.stderr)
         self.assertRegex(done.stderr, r'error: step 1: memory is short: \d+ pairs of neighbours .* "ulimit -v" leaves')
         self.assertEqual(json.loads((self.place / "out/run.json").read_text())["status"], "failed")
         if self.has_hdf5():
-            self.deck(CROWD.format(alert=0.001))
+            self.deck(crowd.format(alert=0.001))
             self.launch([2, *part[1:], "--restart", "out"])
 
     def test_a_rank_that_is_killed_takes_the_others_with_it(self):
