@@ -35,6 +35,7 @@ friction = 0.0
 DECK = """
 [scene]
 dimension = {dimension}
+kept_motion = 0.0
 
 [time]
 step = 1e-3
@@ -44,6 +45,7 @@ substeps = {substeps}
 {walls}
 
 [[sample]]
+shape = "{shape}"
 box = {box}
 radius = [0.02, 0.03]
 count = {count}
@@ -51,10 +53,11 @@ seed = 4
 """
 WALL = "[[wall]]\nfrom = {}\nto = {}\nthickness = 0.02\n"
 #: What is different in the plane and in space
-PLANE = {"dimension": 2, "box": [0.0, 0.0, 0.6, 0.8], "count": 90,
+PLANE = {"dimension": 2, "shape": "disk", "box": [0.0, 0.0, 0.6, 0.8], "count": 90,
          "walls": WALL.format([0.0, -0.01], [0.6, -0.01]) + WALL.format([-0.01, 0.0], [-0.01, 2.0]) +
          WALL.format([0.61, 0.0], [0.61, 2.0])}
-SPACE = {"dimension": 3, "box": [0.0, 0.0, 0.0, 0.25, 0.25, 0.5], "count": 120,
+POLYGONS = PLANE | {"shape": "polygon"}
+SPACE = {"dimension": 3, "shape": "sphere", "box": [0.0, 0.0, 0.0, 0.25, 0.25, 0.5], "count": 120,
          "walls": "[[container]]\nsize = [0.25, 0.25, 1.0]\n"}
 #: Solves to 1e-11 of the velocities, amplified by collisions: those of dozens of grains, by a few times each
 CLOSE = 1e-7
@@ -110,8 +113,8 @@ class Alert(ProgramCase):
 
     def test_same_motion(self):
         """Grains move as they do with contacts of everything near; at first, when all is slow, few contacts are there."""
-        for keys, substeps in ((PLANE, 1), (SPACE, 1), (PLANE, 3)):
-            with self.subTest(dimension=keys["dimension"], substeps=substeps):
+        for keys, substeps in ((PLANE, 1), (POLYGONS, 1), (SPACE, 1), (PLANE, 3)):
+            with self.subTest(shape=keys["shape"], substeps=substeps):
                 near, summary = self.fall(keys, "", substeps)
                 wide, _ = self.fall(keys, "alert = 0.04", substeps)
                 self.assertEqual(summary["fast_steps"], 0)
