@@ -76,7 +76,8 @@ class Recovery(ProgramCase):
 
     def test_rest_stays_rest(self):
         """Grains that lie on each other without overlap, to the tolerance, are never pushed: the answer is that of a deck without."""
-        resting = COMMON + FLOOR + grains(3)
+        # With pushes all steps have the whole alert distance: both have one that does not follow the motion.
+        resting = COMMON + FLOOR + grains(3) + "[[interaction]]\nalert = 2e-3\n"
         self.run_deck(resting, "without", "--set", "output.record_every=1")
         self.run_deck(resting, "with", "--set", "output.record_every=1", "--set", "time.recovery=1e-3")
         self.assertNotIn("recoveries", self.run_json("with"))
