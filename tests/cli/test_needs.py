@@ -58,7 +58,7 @@ MOMENTUM = "nesterov.before nesterov.body nesterov.carried nesterov.present"
 ALWAYS = f"""bodies.position bodies.velocity bodies.middle bodies.mass bodies.inverse_mass bodies.force bodies.free_velocity
 bodies.area bodies.crossings bodies.is_grain bodies.material
 contactors.kind contactors.body contactors.row contactors.colour contactors.shift contactors.reach contactors.centre
-neighbours.body_of neighbours.slot_of neighbours.built pairs.contactor pairs.image pairs.see
+neighbours.body_of neighbours.slot_of neighbours.built neighbours.margin pairs.contactor pairs.image pairs.see
 contacts.contactor contacts.body contacts.feature contacts.law contacts.normal contacts.point contacts.gap contacts.image
 contacts.impulse contacts.status
 history.contactor history.image history.first history.feature history.impulse history.status history.past
