@@ -28,7 +28,8 @@ contains
     pairs%is_reduced = pairs%way < huge(1.0_wp)/8
     if (.not. pairs%is_reduced) return
     pairs%time_step = h
-    pairs%least = merge(max(least_share*scene%sees%least_alert, share_of_fastest*pairs%way), scene%sees%alert, &
+    if (.not. allocated(pairs%least)) allocate (pairs%least(size(scene%sees)))
+    pairs%least(:) = merge(max(least_share*scene%sees%least_alert, share_of_fastest*pairs%way), scene%sees%alert, &
                         follows_motion(scene%sees))
     ! No pair has a longer way than the fastest would have.
     pairs%is_by_pair = times*pairs%way > minval(pairs%least, follows_motion(scene%sees))

@@ -93,7 +93,8 @@ contains
       if (scene%period > 0) call wrap(scene%bodies, pairs%built, 1, scene%period, scene%bodies%crossings)
       if (scene%period_y > 0) call wrap(scene%bodies, pairs%built, 2, scene%period_y, scene%bodies%crossings_y)
     end if
-    pairs%margin = margin
+    if (allocated(pairs%margin)) deallocate (pairs%margin)
+    allocate (pairs%margin, source=margin)
     call find_neighbours(pairs, scene)
     call append_links(pairs, scene)
     if (pairs%is_cut .or. pairs%is_late) call give_back(pairs)
