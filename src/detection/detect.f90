@@ -11,10 +11,9 @@ module sg_detect
   use sg_laws, only: law_bond, status_broken
   use sg_link_laws, only: holds_across, is_torn, pulls_only
   use sg_list_margins, only: choose_margins, fitting_skin, neighbours_are_stale
-  use sg_narrow_phase, only: path_of, touch_in_plane, touch_in_space
+  use sg_narrow_phase, only: are_found_apart, path_of_pair, touch_in_plane, touch_in_space
   use sg_neighbours, only: build_neighbours, neighbours_t, offset_of
   use sg_pair_alert, only: alert_of_pair
-  use sg_path_bound, only: is_clear
   use sg_scene, only: scene_t
   use sg_sees, only: alert_of
   use sg_shape_kinds, only: is_bounding
@@ -136,11 +135,8 @@ contains
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       alert = near
       if (contacts%n_kept > 0) alert = near + kept_length(scene, c, a)
-      path = 0
-      if (contactors%kind(c) == contactors%kind(a) .and. follows(contactors%kind(c))) then
-        path = path_of(contactors, c) + path_of(contactors, a)
-        if (is_clear(history%clearance(p), path, alert) .and. .not. scene%cell%is_on) return
-      end if
+      path = path_of_pair(contactors, c, a)
+      if (are_found_apart(scene, history, p, c, a, path, alert)) return
       keeps = contacts%n_kept > 0 .and. follows(contactors%kind(c))
       if (keeps) then
         call add_kept(scene, pairs, history, p, near, contacts, is_kept)

@@ -2,13 +2,11 @@
 !! distance").
 module sg_left_out
   use sg_contacts, only: contacts_t
-  use sg_follow, only: follows
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
-  use sg_narrow_phase, only: path_of, touch_in_plane, touch_in_space
+  use sg_narrow_phase, only: are_found_apart, path_of_pair, touch_in_plane, touch_in_space
   use sg_neighbours, only: neighbours_t, offset_of
-  use sg_pair_alert, only: alert_of_pair, closing_way, find_free_motion, find_motion, times
-  use sg_path_bound, only: is_clear
+  use sg_pair_alert, only: alert_of_pair, closing_way, find_free_motion, find_motion, least_reduced, times
   use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
   use sg_shape_kinds, only: is_bounding
@@ -38,15 +36,16 @@ contains
     logical, intent(in) :: turns !! do the records have a spin that moves points towards others?
     logical, allocatable :: is_thrown(:)
     real(wp), allocatable :: motion(:, :)
-    real(wp) :: way
+    real(wp) :: way, least
     integer :: p
 
     has_left_out = .false.
     way = way_of_solution(scene, velocity, slot_of, turns, pairs%time_step)
-    if (.not. way > minval(pairs%least, pairs%least < pairs%alert)) return
+    least = least_reduced(scene, pairs)
+    if (.not. way > least) return
     if (.not. pairs%is_by_pair) call find_free_motion(scene, pairs)
     call find_motion(scene, velocity, turns, pairs%time_step, motion, slot_of)
-    call find_thrown(pairs, motion, is_thrown)
+    call find_thrown(pairs, motion, (1 - 1/times)/2*least, is_thrown)
     if (.not. any(is_thrown)) return
     do p = 1, pairs%n_near
       associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors, &
@@ -64,16 +63,16 @@ contains
 
   !> Has the motion of a shape changed so much that its pairs may come nearer to each other than was looked?
   !!
-  !! Of a pair whose way is w with free velocities, at least max(l, 2 w) was looked at: w + l/2 or more.
-  pure subroutine find_thrown(pairs, motion, is_thrown)
+  !! Of a pair whose way is w with free velocities, at least max(l, 2 w) was looked at: w + l/2 or more, l/4 for each of the two.
+  pure subroutine find_thrown(pairs, motion, limit, is_thrown)
     type(neighbours_t), intent(in) :: pairs
     real(wp), intent(in) :: motion(:, :) !! with the solution [m]
+    real(wp), intent(in) :: limit !! change that one shape of a pair may have [m]
     logical, allocatable, intent(out) :: is_thrown(:)
-    real(wp) :: limit, square
+    real(wp) :: square
     integer :: c, n
 
     n = size(motion, 1)
-    limit = (1 - 1/times)/2*minval(pairs%least, pairs%least < pairs%alert)
     allocate (is_thrown(size(motion, 2)))
     do c = 1, size(motion, 2)
       associate (free => pairs%motion(:, c)/times, now => motion(:, c))
@@ -98,9 +97,8 @@ contains
       if (is_bounding(contactors%kind(a))) return
       apart = -offset_of(scene, pairs, p)
       apart(:scene%dimension) = apart(:scene%dimension) + contactors%centre(:, c) - contactors%centre(:, a)
-      are_clear = norm2(apart) > contactors%reach(c) + contactors%reach(a) + distance
-      if (contactors%kind(c) == contactors%kind(a) .and. follows(contactors%kind(c))) are_clear = are_clear .or. &
-        is_clear(history%clearance(p), path_of(contactors, c) + path_of(contactors, a), distance)
+      are_clear = norm2(apart) > contactors%reach(c) + contactors%reach(a) + distance .or. &
+                  are_found_apart(scene, history, p, c, a, path_of_pair(contactors, c, a), distance)
     end associate
   end function are_clear
 
@@ -119,11 +117,7 @@ contains
     real(wp) :: path
     integer :: i
 
-    path = 0
-    associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      if (contactors%kind(c) == contactors%kind(a) .and. follows(contactors%kind(c))) &
-        path = path_of(contactors, c) + path_of(contactors, a)
-    end associate
+    path = path_of_pair(scene%contactors, pairs%contactor(1, p), pairs%contactor(2, p))
     if (scene%dimension == 2) then
       call touch_in_plane(scene, pairs, history, p, way, path, touch)
       closes = any([(closes_at(touch%feature(i), touch%point(:, i), touch%normal(:, i), touch%gap(i)), i=1, touch%n)])

@@ -1,9 +1,11 @@
 !> Narrow phase of one pair: points of contact of two shapes where their bodies are, with what is tried first of the pair.
 module sg_narrow_phase
   use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, kind_sphere
+  use sg_follow, only: follows
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
   use sg_neighbours, only: neighbours_t, offset_of
+  use sg_path_bound, only: is_clear
   use sg_scene, only: scene_t
   use sg_shrink_face, only: shrink_face
   use sg_touch, only: touch_t
@@ -13,7 +15,7 @@ module sg_narrow_phase
   use sg_touch_sphere_sphere, only: touch_sphere_sphere
   implicit none
   private
-  public :: path_of, touch_in_plane, touch_in_space
+  public :: are_found_apart, path_of_pair, touch_in_plane, touch_in_space
 
 contains
 
@@ -73,15 +75,33 @@ contains
     end associate
   end subroutine touch_in_space
 
-  !> Length of the path of a polygon or polyhedron so far [m]: how much nearer to others its points may have come since the start.
-  pure real(wp) function path_of(contactors, c) result(path)
+  !> Paths of two polygons or of two polyhedra so far, added [m]: how much nearer to each other their points may have come since
+  !! the start. Nothing for others, which are measured in each step.
+  pure real(wp) function path_of_pair(contactors, c, a) result(path)
     type(contactors_t), intent(in) :: contactors !! placed contactors
-    integer(i4), intent(in) :: c !! the one to look at
+    integer(i4), intent(in) :: c !! candidate
+    integer(i4), intent(in) :: a !! antagonist
 
-    if (contactors%kind(c) == kind_polygon) then
-      path = contactors%polygon_path(contactors%row(c))
-    else
-      path = contactors%space%polyhedron_path(contactors%row(c))
-    end if
-  end function path_of
+    path = 0
+    associate (i => contactors%row(c), j => contactors%row(a))
+      if (contactors%kind(c) /= contactors%kind(a)) return
+      if (contactors%kind(c) == kind_polygon) path = contactors%polygon_path(i) + contactors%polygon_path(j)
+      if (contactors%kind(c) == kind_polyhedron) path = contactors%space%polyhedron_path(i) + contactors%space%polyhedron_path(j)
+    end associate
+  end function path_of_pair
+
+  !> Have two shapes been found so far apart that they are beyond a distance, whatever way they have gone since?
+  pure logical function are_found_apart(scene, history, p, c, a, path, distance) result(apart)
+    type(scene_t), intent(in) :: scene !! scene, its contactors placed
+    type(history_t), intent(in) :: history !! what was found of all pairs
+    integer, intent(in) :: p !! pair
+    integer(i4), intent(in) :: c !! its candidate
+    integer(i4), intent(in) :: a !! its antagonist
+    real(wp), intent(in) :: path !! their paths, added [m]
+    real(wp), intent(in) :: distance !! [m]
+
+    apart = .false.
+    if (scene%cell%is_on .or. scene%contactors%kind(c) /= scene%contactors%kind(a)) return
+    if (follows(scene%contactors%kind(c))) apart = is_clear(history%clearance(p), path, distance)
+  end function are_found_apart
 end module sg_narrow_phase

@@ -1,15 +1,14 @@
 !> Alert distance of a pair, reduced to what its own motion asks for until the solution shows that more is needed
 !! (doc/theory/detection.md, "Alert distance").
 module sg_pair_alert
-  use sg_contactors, only: contactors_t
   use sg_kinds, only: wp, i4
+  use sg_near, only: farthest_arm
   use sg_neighbours, only: neighbours_t
   use sg_scene, only: scene_t
   use sg_sees, only: follows_motion
-  use sg_shape_kinds, only: is_round
   implicit none
   private
-  public :: alert_of_pair, closing_way, find_free_motion, find_motion, reduce_alerts, times
+  public :: alert_of_pair, closing_way, find_free_motion, find_motion, least_reduced, reduce_alerts, times
 
   !> Least reduced alert distance as shares of the least one of a line and of the way of the fastest shapes
   real(wp), parameter :: least_share = 0.1_wp, share_of_fastest = 0.02_wp
@@ -30,11 +29,19 @@ contains
     pairs%time_step = h
     if (.not. allocated(pairs%least)) allocate (pairs%least(size(scene%sees)))
     pairs%least(:) = merge(max(least_share*scene%sees%least_alert, share_of_fastest*pairs%way), scene%sees%alert, &
-                        follows_motion(scene%sees))
+                           follows_motion(scene%sees))
     ! No pair has a longer way than the fastest would have.
-    pairs%is_by_pair = times*pairs%way > minval(pairs%least, follows_motion(scene%sees))
+    pairs%is_by_pair = times*pairs%way > least_reduced(scene, pairs)
     if (pairs%is_by_pair) call find_free_motion(scene, pairs)
   end subroutine reduce_alerts
+
+  !> Least distance of the lines whose alert distance follows the motion [m]; hugely much where there is none.
+  pure real(wp) function least_reduced(scene, pairs) result(least)
+    type(scene_t), intent(in) :: scene !! scene with its see tables
+    type(neighbours_t), intent(in) :: pairs !! list of neighbours with reduced alert distances
+
+    least = minval(pairs%least, follows_motion(scene%sees))
+  end function least_reduced
 
   !> Motion of all shapes with the free velocities of their bodies.
   pure subroutine find_free_motion(scene, pairs)
@@ -94,21 +101,10 @@ contains
       if (n == 3) motion(3, c) = h*velocity(3, b)
       motion(n + 1, c) = 0
       if (.not. turns) cycle
-      arm = arm_of(scene%contactors, c)
+      arm = farthest_arm(scene%contactors, c)
       if (.not. arm > 0) cycle
       if (n == 2) motion(3, c) = h*arm*abs(velocity(3, b))
       if (n == 3) motion(4, c) = h*arm*sqrt(velocity(4, b)**2 + velocity(5, b)**2 + velocity(6, b)**2)
     end do
   end subroutine find_motion
-
-  !> Distance of the farthest point of a shape from the centre of its body [m], at most; zero for a round one about that centre, of
-  !! which no turn moves anything towards others.
-  pure real(wp) function arm_of(contactors, c) result(arm)
-    type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: c
-
-    arm = abs(contactors%shift(1, c)) + abs(contactors%shift(2, c))
-    if (contactors%dimension == 3) arm = arm + abs(contactors%shift(3, c))
-    if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
-  end function arm_of
 end module sg_pair_alert

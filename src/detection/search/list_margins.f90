@@ -1,8 +1,8 @@
 !> What a list of neighbours allows to each body, and when that is used up (doc/theory/detection.md, "Broad phase").
 module sg_list_margins
   use sg_cell_search, only: has_moved_in_cell, turned_angle
-  use sg_contactors, only: contactors_t, kind_point
-  use sg_kinds, only: wp, i4
+  use sg_contactors, only: kind_point
+  use sg_kinds, only: wp
   use sg_near, only: turning_arm
   use sg_neighbours, only: neighbours_t
   use sg_scene, only: scene_t
@@ -18,7 +18,7 @@ contains
   pure logical function neighbours_are_stale(pairs, scene) result(stale)
     type(neighbours_t), intent(in) :: pairs !! list to look at
     type(scene_t), intent(in) :: scene !! its bodies' `middle` and free velocities count
-    real(wp) :: moved, arm, widest
+    real(wp) :: moved, arm, widest, least
     integer :: c, b
 
     stale = .not. allocated(pairs%built)
@@ -29,6 +29,7 @@ contains
       if (.not. stale) stale = has_moved_in_cell(scene, pairs%built, pairs%skin)
       return
     end if
+    least = least_sought(scene, pairs, widest)
     associate (contactors => scene%contactors, middle => scene%bodies%middle)
       do c = 1, contactors%n
         if (contactors%kind(c) == kind_point) cycle
@@ -40,7 +41,7 @@ contains
           arm = turning_arm(contactors, c)
           if (arm > 0) moved = moved + turned_angle(middle(:, b), pairs%built(:, b))*arm
         end if
-        stale = moved > pairs%skin/2 .or. moved + sought(scene, pairs, int(c, i4), widest) > pairs%margin(b)
+        stale = moved > pairs%skin/2 .or. moved + sought(pairs, c, least, widest) > pairs%margin(b)
         if (stale) return
       end do
     end associate
@@ -48,23 +49,31 @@ contains
 
   !> How far about a shape contacts are sought [m]; of two together no less than the alert distance of their pair, where it follows
   !! the motion.
-  pure real(wp) function sought(scene, pairs, c, widest)
-    type(scene_t), intent(in) :: scene
+  pure real(wp) function sought(pairs, c, least, widest)
     type(neighbours_t), intent(in) :: pairs
-    integer(i4), intent(in) :: c
+    integer, intent(in) :: c
+    real(wp), intent(in) :: least !! how far about any shape [m]
     real(wp), intent(in) :: widest !! alert distance of all pairs [m]
 
-    sought = widest/2
-    if (.not. (pairs%is_reduced .and. widest > 0)) return
-    sought = min(sought, maxval(pairs%least, follows_motion(scene%sees))/2)
+    sought = least
     ! The other one of a pair may be at rest.
-    if (pairs%is_by_pair) sought = min(widest, max(sought, own_way(pairs, c)))
+    if (pairs%is_reduced .and. pairs%is_by_pair) sought = min(widest, max(least, own_way(pairs, c)))
   end function sought
+
+  !> How far contacts are sought about shapes that do not move [m].
+  pure real(wp) function least_sought(scene, pairs, widest) result(least)
+    type(scene_t), intent(in) :: scene
+    type(neighbours_t), intent(in) :: pairs
+    real(wp), intent(in) :: widest !! alert distance of all pairs [m]
+
+    least = widest/2
+    if (pairs%is_reduced .and. widest > 0) least = min(least, maxval(pairs%least, follows_motion(scene%sees))/2)
+  end function least_sought
 
   !> Twice the way of a shape in the step, as contacts are sought by it [m].
   pure real(wp) function own_way(pairs, c) result(way)
     type(neighbours_t), intent(in) :: pairs
-    integer(i4), intent(in) :: c
+    integer, intent(in) :: c
 
     way = pairs%motion(1, c)**2 + pairs%motion(2, c)**2
     if (size(pairs%motion, 1) == 4) way = way + pairs%motion(3, c)**2
@@ -87,7 +96,7 @@ contains
     real(wp), intent(in) :: skin !! how far shapes may move at most, two together [m]
     real(wp), allocatable, intent(out) :: margin(:) !! of each body [m]
     real(wp), parameter :: double_steps = 4, least_share = 0.3_wp
-    real(wp) :: widest, way
+    real(wp) :: widest, least, way
     integer :: c
 
     pairs%skin = skin
@@ -96,10 +105,11 @@ contains
     allocate (margin(scene%bodies%n), source=(skin + widest)/2)
     if (.not. (pairs%is_reduced .and. pairs%is_by_pair)) return
     margin = 0
+    least = least_sought(scene, pairs, widest)
     do c = 1, scene%contactors%n
       associate (b => scene%contactors%body(c))
-        way = double_steps*own_way(pairs, int(c, i4))
-        margin(b) = max(margin(b), min(widest, 2*sought(scene, pairs, int(c, i4), widest)) + &
+        way = double_steps*own_way(pairs, c)
+        margin(b) = max(margin(b), min(widest, 2*sought(pairs, c, least, widest)) + &
                         min(skin/2, max(least_share*skin/2, way)))
       end associate
     end do

@@ -6,7 +6,7 @@ module sg_near
   use sg_shape_pairs, only: is_pair
   implicit none
   private
-  public :: is_near, candidate_first, turning_arm, has_one_image
+  public :: is_near, candidate_first, farthest_arm, turning_arm, has_one_image
 
 contains
 
@@ -28,6 +28,16 @@ contains
     arm = sum(abs(contactors%shift(:, c)))
     if (is_bounding(contactors%kind(c)) .and. .not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
   end function turning_arm
+
+  !> Distance of the farthest point of a shape from the centre of its body [m], at most; zero for a round one about that centre, of
+  !! which no turn moves anything towards others.
+  pure real(wp) function farthest_arm(contactors, c) result(arm)
+    type(contactors_t), intent(in) :: contactors !! all contactors
+    integer, intent(in) :: c !! the one to look at
+
+    arm = sum(abs(contactors%shift(:, c)))
+    if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
+  end function farthest_arm
 
   !> Can the gap between two contactors, j moved by some periods, be below a distance?
   pure logical function is_near(contactors, i, j, offset, period, distance)

@@ -57,7 +57,7 @@ module sg_neighbours
     real(wp) :: time_step = 0
     !> Motion of each shape in twice the step with its free velocity (`find_motion` of sg_pair_alert)
     real(wp), allocatable :: motion(:, :)
-    !> Has the solve shown it?
+    !> Does the solution of the step close a contact that a reduced alert distance has left out?
     logical :: is_too_short = .false.
     !> Substeps from one detection to the next
     integer :: substeps = 1

@@ -3,8 +3,8 @@ module sg_way_of_step
   use sg_contactors, only: kind_point
   use sg_extremes, only: largest_magnitude
   use sg_kinds, only: wp, i4
+  use sg_near, only: farthest_arm
   use sg_scene, only: largest_gravity, scene_t
-  use sg_shape_kinds, only: is_round
   implicit none
   private
   public :: way_of_solution, way_of_step
@@ -71,8 +71,7 @@ contains
         square = velocity(1, s)**2 + velocity(2, s)**2
         if (n == 3) square = square + velocity(3, s)**2
         if (n_spin > 0) then
-          arm = sum(abs(contactors%shift(:, c)))
-          if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
+          arm = farthest_arm(contactors, c)
           if (arm > 0) square = (sqrt(square) + sqrt(sum(velocity(n + 1:n + n_spin, s)**2))*arm)**2
         end if
         fastest = max(fastest, square)
