@@ -78,6 +78,7 @@ contains
     call sim%stages%note(sim%step, sim%time(), sim%totals%unconverged_steps, sim%stop%met, sim%stop%value)
     state%stages = sim%stages%pack()
     state%cell = sim%scene%cell%pack()
+    state%length = [sim%options%substep_length()]
     call keep_list(sim, state%built)
     call write_restart(sim%options%folder, state, sim%comm, error)
   end subroutine save_checkpoint
@@ -217,7 +218,7 @@ contains
     associate (energies => state%totals(:n_energy_values), list => list_in(state), gravity => gravity_in(state), &
                counted => state%totals(n_energy_values + 1:n_energy_values + n_totals_values))
       if (.not. all(ieee_is_finite([energies, gravity, state%tracks, state%stop, state%stages, state%means, state%fields, &
-                                     state%cell, list]))) then
+                                     state%cell, state%length, list]))) then
         fault = 'it holds sums that are not finite'
       else if (.not. totals%are_sound(counted)) then
         fault = 'it holds counts that are none'
@@ -237,6 +238,7 @@ contains
     sim%pairs%listed_way = list(2)
     sim%pairs%way = list(3)
     call restore_state(state, sim%scene, sim%contacts)
+    call fit_impulses_to_step(sim, state%length)
     ! A file that holds nothing about presence is of a run in which all bodies were there.
     if (sim%scene%bodies%has_presence .and. size(values_of(state%bodies, 'presence')) == 0) &
       sim%scene%bodies%presence = body_present
@@ -270,6 +272,22 @@ contains
     if (allocated(sim%scene%gravity_changes)) sim%scene%gravity = gravity_in(state)
     call sim%energy%change_gravity(sim%scene, gravity_in(state))
   end subroutine take_state
+
+  !> Give impulses the length of the substeps to come: forces stay as they are, and impulses are those of forces over a substep.
+  pure subroutine fit_impulses_to_step(sim, length)
+    type(simulation_t), intent(inout) :: sim !! its contacts are those of the file
+    real(wp), intent(in) :: length(:) !! of the substeps of the file [s]; empty where it is unknown
+    real(wp) :: ratio
+
+    if (size(length) /= 1) return
+    if (.not. (length(1) > 0 .and. abs(length(1) - sim%options%substep_length()) > 0)) return
+    ratio = sim%options%substep_length()/length(1)
+    associate (contacts => sim%contacts, last => sim%contacts%n_internal)
+      contacts%impulse(:, :contacts%n) = ratio*contacts%impulse(:, :contacts%n)
+      if (contacts%n_moments > 0) contacts%internal(last - contacts%n_moments + 1:last, :contacts%n) = &
+        ratio*contacts%internal(last - contacts%n_moments + 1:last, :contacts%n)
+    end associate
+  end subroutine fit_impulses_to_step
 
   !> Gravity [m/s2] under which a file was written.
   pure function gravity_in(state) result(gravity)

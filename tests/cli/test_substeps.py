@@ -32,6 +32,26 @@ box = [0.0, 0.0, 0.0, 0.3, 0.2, 0.2]
 radius = [0.018, 0.02]
 """
 
+COLUMN = """[time]
+step = 1e-3
+steps = 20
+[output]
+record_every = 1
+[solver]
+method = "nlgs"
+criterion = "e8"
+[[material]]
+name = "stone"
+density = 1000.0
+[[law]]
+friction = 0.3
+[[body]]
+shape = "polygon"
+vertices = [[-1.0, -0.1], [1.0, -0.1], [1.0, 0.1], [-1.0, 0.1]]
+position = [0.0, -0.1]
+fixed = true
+"""
+
 FLIGHT = """[scene]
 gravity = [0.0, 0.0]
 [time]
@@ -81,6 +101,20 @@ class Substeps(ProgramCase):
                     self.run_deck(text, "parts", *words, "--set", f"time.steps={steps}", "--restart", "parts")
                     self.assertEqual(len(self.rows("straight")), steps)
                     self.assertEqual(self.rows("straight"), self.rows("parts"))
+
+    def test_restart_other_length(self):
+        """A column at rest goes on at rest by steps of another length, though a solve of one sweep cannot find its weights again."""
+        if not self.has_hdf5():
+            self.skipTest("a build without HDF5 has no checkpoints")
+        column = COLUMN + "".join(f'[[body]]\nshape = "disk"\nradius = 0.1\nposition = [0.0, {0.1 + 0.2 * i:.1f}]\n' for i in range(10))
+        self.run_deck(column, "rest", "--quiet", "--set", "solver.tolerance=1e-14", "--set", "solver.maximum_sweeps=10000")
+        few = ["--set", "solver.maximum_sweeps=1", "--set", "solver.check_every=1", "--set", "time.steps=30"]
+        for other in (["time.substeps=5"], ["time.step=2e-4"], ["time.step=4e-3"]):
+            with self.subTest(other=other):
+                words = [word for key in other for word in ("--set", key)]
+                self.run_deck(column, "out", "--quiet", "--force", "--restart", "rest", *few, *words)
+                # Weights are right to 1e-12 of 10 steps of gravity; a guess of another length moves the top at 0.1 m/s and more.
+                self.assertLess(max(float(row["kinetic_energy"]) for row in self.rows("out")), 1e-18)
 
     def test_flight(self):
         """A body that flies off stays free, whatever way both turn: 0.01 rad and 1000 sizes per substep."""
@@ -155,7 +189,7 @@ class Substeps(ProgramCase):
         polygons += 'shape = "polygon"\n'
         start = {"step_start.position", "step_start.velocity", "step_start.angle"}
         for text, own in ((polygons, start | {"carry.face", "carry.before", "carry.turn"}),
-                          (SPHERES, {"step_start.position", "step_start.velocity", "step_start.orientation"})):
+                          (SPHERES, {"step_start.position", "step_start.velocity", "step_start.orientation", "carry.is_round"})):
             for count in (1, 3):
                 with self.subTest(own=own, count=count):
                     self.run_deck(text, "out", "--quiet", "--force", "--needs", "--set", f"time.substeps={count}")

@@ -60,6 +60,8 @@ module sg_restart
     real(wp), allocatable :: fields(:)
     !> State of the periodic cell (sg_periodic_cell); empty where there is none
     real(wp), allocatable :: cell(:)
+    !> Length of the last substep [s], over which impulses are; empty in files that have none
+    real(wp), allocatable :: length(:)
   end type restart_t
 
 contains
@@ -153,6 +155,7 @@ contains
     call put_optional(file, '/means', state%means)
     call put_optional(file, '/fields', state%fields)
     call put_optional(file, '/cell', state%cell)
+    call put_optional(file, '/length', state%length)
     call put_sealed(file, '/built', state%built)
     call put_fields(file, '/bodies', state%bodies)
     call put_fields(file, '/contacts', state%contacts)
@@ -266,6 +269,7 @@ contains
     call get_optional(file, '/means', state%means)
     call get_optional(file, '/fields', state%fields)
     call get_optional(file, '/cell', state%cell)
+    call get_optional(file, '/length', state%length)
     ! One rank alone takes up its list of neighbours.
     if (ranks%size == 1) call file%get('/built', state%built)
     if (.not. allocated(state%built)) allocate (state%built(0, 0))

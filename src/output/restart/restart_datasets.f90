@@ -16,8 +16,8 @@ module sg_restart_datasets
   public :: check_shapes, dataset_paths, scene_misfit
 
   !> Lists of any length that only some runs write
-  character(len=7), parameter :: optional_lists(6) = [character(len=7) :: '/tracks', '/stop', '/stages', '/means', '/fields', &
-                                                                  '/cell']
+  character(len=7), parameter :: optional_lists(7) = [character(len=7) :: '/tracks', '/stop', '/stages', '/means', '/fields', &
+                                                                  '/cell', '/length']
 
   !> A dataset, values per row, and its rows
   type :: dataset_t
