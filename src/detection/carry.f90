@@ -14,7 +14,7 @@ module sg_carry
   use sg_contacts, only: contacts_t
   use sg_detect, only: turn_link
   use sg_follow, only: face_of, follow_in_plane, follow_in_space, follows
-  use sg_kinds, only: wp, i1, i8
+  use sg_kinds, only: wp, i1, i4, i8
   use sg_link_laws, only: pulls_only
   use sg_lists, only: reserve, room_for
   use sg_rotations, only: no_rotation, quaternion_product
@@ -31,16 +31,22 @@ module sg_carry
 
   !> Alert distance of a pair that is measured again: none [m]
   real(wp), parameter :: far = 1e100_wp
+  !> Distance of centres that gives a normal [m]
+  real(wp), parameter :: least = sqrt(tiny(1.0_wp))
+  !> Contacts of a pass: what several loops need of them stays in the first cache
+  integer, parameter :: chunk = 128
 
   !> What carries contacts between the substeps of a step
   type :: carry_t
     !> Body whose face each contact lies on, one of `face_of_*`, shape (contacts); not allocated where no scene has followers
     integer(i1), allocatable, private :: face(:)
+    !> Is each contact one of two disks, in space of two spheres (1), or not (0)? Shape (contacts)
+    integer(i1), allocatable, private :: is_round(:)
     !> Configuration of the last substep, as `middle` of the bodies, and the turn of each body since: cosine and sine, in space a
     !! quaternion, shape (2 or 4, bodies)
     real(wp), allocatable, private :: before(:, :), turn(:, :)
-    !> Are there contacts that the narrow phase measures again, and contacts whose points follow their bodies?
-    logical, private :: has_measured = .false., has_followers = .false.
+    !> Are there contacts that the narrow phase measures again, some of round shapes, and contacts whose points follow their bodies?
+    logical, private :: has_measured = .false., has_round = .false., has_followers = .false.
   contains
     procedure :: begin => carry_begin
     procedure :: move => carry_move
@@ -59,12 +65,15 @@ contains
 
     self%has_followers = .false.
     self%has_measured = .false.
+    self%has_round = .false.
     do k = 1, contacts%n
       associate (kind => scene%contactors%kind(contacts%contactor(1, k)))
         self%has_followers = self%has_followers .or. follows(kind) .or. kind == kind_cylinder
         self%has_measured = self%has_measured .or. .not. follows(kind)
+        self%has_round = self%has_round .or. kind == kind_disk .or. kind == kind_sphere
       end associate
     end do
+    if (self%has_round) call mark_round(self, scene, contacts)
     if (.not. self%has_followers) return
     call reserve(self%face, contacts%n)
     do k = 1, contacts%n
@@ -77,6 +86,22 @@ contains
     self%before = scene%bodies%middle
   end subroutine carry_begin
 
+  !> Mark the contacts between two disks or two spheres.
+  subroutine mark_round(self, scene, contacts)
+    class(carry_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer :: k
+
+    call reserve(self%is_round, contacts%n)
+    do k = 1, contacts%n
+      associate (kind_c => scene%contactors%kind(contacts%contactor(1, k)), &
+                 kind_a => scene%contactors%kind(contacts%contactor(2, k)))
+        self%is_round(k) = merge(1_i1, 0_i1, kind_c == kind_a .and. (kind_c == kind_disk .or. kind_c == kind_sphere))
+      end associate
+    end do
+  end subroutine mark_round
+
   !> Bring all contacts to where their bodies are now.
   subroutine carry_move(self, scene, contacts, places_shapes, is_fast)
     class(carry_t), intent(inout) :: self
@@ -84,25 +109,45 @@ contains
     type(contacts_t), intent(inout) :: contacts !! contacts of the step
     logical, intent(in) :: places_shapes !! place the contactors in any case?
     logical, intent(in) :: is_fast !! may a body have left its neighbours since they were found?
-    integer :: k
+    integer :: k, last
 
     if (places_shapes .or. is_fast .or. self%has_measured) call place_contactors(scene%contactors, scene%bodies%middle)
     if (self%has_followers) call find_turns(self, scene)
-    do k = 1, contacts%n
-      associate (kind_c => scene%contactors%kind(contacts%contactor(1, k)), &
-                 kind_a => scene%contactors%kind(contacts%contactor(2, k)))
-        if (kind_c == kind_disk .and. kind_a == kind_disk) then
-          call measure_disks(scene, contacts, k)
-        else if (kind_c == kind_sphere .and. kind_a == kind_sphere) then
-          call measure_spheres(scene, contacts, k)
-        else
-          call move_any(self, scene, contacts, k)
-        end if
-      end associate
+    k = 1
+    do while (k <= contacts%n)
+      last = last_of_round(self, k, contacts%n)
+      if (last < k) then
+        call move_any(self, scene, contacts, k)
+        k = k + 1
+        cycle
+      end if
+      if (scene%dimension == 2) then
+        call measure_disks(last - k + 1, contacts%contactor(:, k:last), contacts%image(k:last), scene%period, &
+                           scene%contactors%n, scene%contactors%centre, scene%contactors%reach, contacts%normal(:, k:last), &
+                           contacts%point(:, k:last), contacts%gap(k:last))
+      else
+        call measure_spheres(last - k + 1, contacts%contactor(:, k:last), contacts%image(k:last), contacts%image_y(k:last), &
+                             [scene%period, scene%period_y], scene%contactors%n, scene%contactors%centre, &
+                             scene%contactors%reach, contacts%normal(:, k:last), contacts%point(:, k:last), contacts%gap(k:last))
+      end if
+      k = last + 1
     end do
     if (self%has_followers) self%before = scene%bodies%middle
     if (self%has_followers .and. is_fast) call part(scene, contacts)
   end subroutine carry_move
+
+  !> Last contact of a run of round contacts, of a chunk at most, that begins with a contact; the one before for none.
+  pure integer function last_of_round(self, first, n) result(last)
+    type(carry_t), intent(in) :: self
+    integer, intent(in) :: first, n
+
+    last = first - 1
+    if (.not. self%has_round) return
+    do while (last < min(n, first + chunk - 1))
+      if (self%is_round(last + 1) == 0) exit
+      last = last + 1
+    end do
+  end function last_of_round
 
   !> Let shapes whose circles or spheres are apart touch, if at all, as these do: the face that a body has left ends somewhere.
   pure subroutine part(scene, contacts)
@@ -160,7 +205,8 @@ contains
     associate (middle => scene%bodies%middle, before => self%before)
       do b = 1, scene%bodies%n
         if (n == 2) then
-          self%turn(:, b) = [cos(middle(3, b) - before(3, b)), sin(middle(3, b) - before(3, b))]
+          self%turn(1, b) = cos(middle(3, b) - before(3, b))
+          self%turn(2, b) = sin(middle(3, b) - before(3, b))
         else
           self%turn(:, b) = no_rotation
           if (any(abs(middle(4:7, b) - before(4:7, b)) > 0)) &
@@ -176,73 +222,100 @@ contains
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(inout) :: contacts
     integer, intent(in) :: k
-    real(wp) :: shift(scene%dimension), turn(merge(2, 4, scene%dimension == 2), 2)
+    real(wp) :: before(3), now(3), turn(4, 2)
+    integer :: n
 
-    shift = offset_of(scene, contacts, k)
+    n = scene%dimension
     turn = 0
     turn(1, :) = 1
-    associate (c => contacts%body(1, k), a => contacts%body(2, k), n => scene%dimension, middle => scene%bodies%middle, &
-               before => self%before)
-      if (allocated(self%turn)) turn = self%turn(:, [c, a])
+    associate (c => contacts%body(1, k), a => contacts%body(2, k), middle => scene%bodies%middle)
+      ! The antagonist's, in the contact's periodic image. Numbers one by one: arrays of variable length ask for memory.
+      before(1:n) = self%before(1:n, a)
+      before(1) = before(1) + scene%period*real(contacts%image(k), wp)
+      now(1:n) = middle(1:n, a)
+      now(1) = now(1) + scene%period*real(contacts%image(k), wp)
       if (n == 2) then
-        call follow_in_plane(self%face(k), before(1:2, c), before(1:2, a) + shift, middle(1:2, c), middle(1:2, a) + shift, &
-                             turn(:, 1), turn(:, 2), contacts%normal(:, k), contacts%point(:, k), contacts%gap(k))
+        if (allocated(self%turn)) then
+          turn(1:2, 1) = self%turn(1:2, c)
+          turn(1:2, 2) = self%turn(1:2, a)
+        end if
+        call follow_in_plane(self%face(k), self%before(1:2, c), before(1:2), middle(1:2, c), now(1:2), turn(1:2, 1), turn(1:2, 2), &
+                             contacts%normal(1:2, k), contacts%point(1:2, k), contacts%gap(k))
       else
-        call follow_in_space(self%face(k), before(1:3, c), before(1:3, a) + shift, middle(1:3, c), middle(1:3, a) + shift, &
-                             turn(:, 1), turn(:, 2), contacts%normal(:, k), contacts%point(:, k), contacts%gap(k))
+        before(2) = before(2) + scene%period_y*real(contacts%image_y(k), wp)
+        now(2) = now(2) + scene%period_y*real(contacts%image_y(k), wp)
+        if (allocated(self%turn)) then
+          turn(:, 1) = self%turn(1:4, c)
+          turn(:, 2) = self%turn(1:4, a)
+        end if
+        call follow_in_space(self%face(k), self%before(1:3, c), before, middle(1:3, c), now, turn(:, 1), turn(:, 2), &
+                             contacts%normal(1:3, k), contacts%point(1:3, k), contacts%gap(k))
       end if
     end associate
   end subroutine follow
 
-  !> Measure two disks again: nearly all contacts of many scenes. Where the centres coincide the normal stays.
-  pure subroutine measure_disks(scene, contacts, k)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(inout) :: contacts
-    integer, intent(in) :: k
-    real(wp) :: x, y, square, distance, place
+  !> Measure a run of contacts between disks again: nearly all contacts of many scenes. Where two centres coincide the normal stays.
+  pure subroutine measure_disks(n, contactor, image, period, n_contactors, centre, reach, normal, point, gap)
+    integer, intent(in) :: n, n_contactors
+    integer(i4), intent(in) :: contactor(2, n)
+    integer(i1), intent(in) :: image(n)
+    real(wp), intent(in) :: period, centre(2, n_contactors), reach(n_contactors)
+    real(wp), intent(inout) :: normal(2, n), point(2, n), gap(n)
+    real(wp) :: x(chunk), y(chunk), distance(chunk), place
+    integer :: i
 
-    associate (c => contacts%contactor(1, k), a => contacts%contactor(2, k), centre => scene%contactors%centre, &
-               reach => scene%contactors%reach)
-      x = centre(1, c) - centre(1, a) - scene%period*real(contacts%image(k), wp)
-      y = centre(2, c) - centre(2, a)
-      square = x**2 + y**2
-      distance = sqrt(square)
-      if (square > tiny(square)) then
-        contacts%normal(1, k) = x/distance
-        contacts%normal(2, k) = y/distance
-      end if
-      contacts%gap(k) = distance - (reach(c) + reach(a))
-      place = reach(c) + contacts%gap(k)/2
-      contacts%point(1, k) = centre(1, c) - place*contacts%normal(1, k)
-      contacts%point(2, k) = centre(2, c) - place*contacts%normal(2, k)
-    end associate
+    do i = 1, n
+      x(i) = centre(1, contactor(1, i)) - centre(1, contactor(2, i)) - period*real(image(i), wp)
+      y(i) = centre(2, contactor(1, i)) - centre(2, contactor(2, i))
+    end do
+    ! Side by side, so that roots and quotients go through vector registers.
+    do i = 1, n
+      distance(i) = sqrt(x(i)**2 + y(i)**2)
+    end do
+    do i = 1, n
+      x(i) = merge(x(i)/max(distance(i), least), normal(1, i), distance(i) > least)
+      y(i) = merge(y(i)/max(distance(i), least), normal(2, i), distance(i) > least)
+    end do
+    do i = 1, n
+      associate (c => contactor(1, i), a => contactor(2, i))
+        normal(1, i) = x(i)
+        normal(2, i) = y(i)
+        gap(i) = distance(i) - (reach(c) + reach(a))
+        place = reach(c) + gap(i)/2
+        point(1, i) = centre(1, c) - place*x(i)
+        point(2, i) = centre(2, c) - place*y(i)
+      end associate
+    end do
   end subroutine measure_disks
 
-  !> The same of two spheres.
-  pure subroutine measure_spheres(scene, contacts, k)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(inout) :: contacts
-    integer, intent(in) :: k
-    real(wp) :: x, y, z, square, distance, place
+  !> The same of spheres.
+  pure subroutine measure_spheres(n, contactor, image, image_y, period, n_contactors, centre, reach, normal, point, gap)
+    integer, intent(in) :: n, n_contactors
+    integer(i4), intent(in) :: contactor(2, n)
+    integer(i1), intent(in) :: image(n), image_y(n)
+    real(wp), intent(in) :: period(2), centre(3, n_contactors), reach(n_contactors)
+    real(wp), intent(inout) :: normal(3, n), point(3, n), gap(n)
+    real(wp) :: x, y, z, distance, place
+    integer :: i
 
-    associate (c => contacts%contactor(1, k), a => contacts%contactor(2, k), centre => scene%contactors%centre, &
-               reach => scene%contactors%reach)
-      x = centre(1, c) - centre(1, a) - scene%period*real(contacts%image(k), wp)
-      y = centre(2, c) - centre(2, a) - scene%period_y*real(contacts%image_y(k), wp)
-      z = centre(3, c) - centre(3, a)
-      square = x**2 + y**2 + z**2
-      distance = sqrt(square)
-      if (square > tiny(square)) then
-        contacts%normal(1, k) = x/distance
-        contacts%normal(2, k) = y/distance
-        contacts%normal(3, k) = z/distance
-      end if
-      contacts%gap(k) = distance - (reach(c) + reach(a))
-      place = reach(c) + contacts%gap(k)/2
-      contacts%point(1, k) = centre(1, c) - place*contacts%normal(1, k)
-      contacts%point(2, k) = centre(2, c) - place*contacts%normal(2, k)
-      contacts%point(3, k) = centre(3, c) - place*contacts%normal(3, k)
-    end associate
+    do i = 1, n
+      associate (c => contactor(1, i), a => contactor(2, i))
+        x = centre(1, c) - centre(1, a) - period(1)*real(image(i), wp)
+        y = centre(2, c) - centre(2, a) - period(2)*real(image_y(i), wp)
+        z = centre(3, c) - centre(3, a)
+        distance = sqrt(x**2 + y**2 + z**2)
+        if (distance > least) then
+          normal(1, i) = x/distance
+          normal(2, i) = y/distance
+          normal(3, i) = z/distance
+        end if
+        gap(i) = distance - (reach(c) + reach(a))
+        place = reach(c) + gap(i)/2
+        point(1, i) = centre(1, c) - place*normal(1, i)
+        point(2, i) = centre(2, c) - place*normal(2, i)
+        point(3, i) = centre(3, c) - place*normal(3, i)
+      end associate
+    end do
   end subroutine measure_spheres
 
   !> Measure the pair of a contact again by the narrow phase. A cylinder may have lost the point: then it follows its bodies.
@@ -321,6 +394,7 @@ contains
 
     call tables%begin('carry', per_contact)
     call tables%note('face', self%face)
+    call tables%note('is_round', self%is_round)
     call tables%begin('carry', per_body)
     call tables%note('before', self%before)
     call tables%note('turn', self%turn)
@@ -330,11 +404,19 @@ contains
   pure integer(i8) function carry_growth(self, n_contacts) result(bytes)
     class(carry_t), intent(in) :: self
     integer, intent(in) :: n_contacts !! contacts of a step
+
+    bytes = growth_of(self%face, n_contacts) + growth_of(self%is_round, n_contacts)
+  end function carry_growth
+
+  !> That of one list of bytes.
+  pure integer(i8) function growth_of(list, n_contacts) result(bytes)
+    integer(i1), allocatable, intent(in) :: list(:)
+    integer, intent(in) :: n_contacts
     integer :: now
 
     now = 0
-    if (allocated(self%face)) now = size(self%face)
+    if (allocated(list)) now = size(list)
     bytes = 0
     if (n_contacts > now) bytes = int(room_for(n_contacts, now), i8)
-  end function carry_growth
+  end function growth_of
 end module sg_carry

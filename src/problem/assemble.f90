@@ -50,7 +50,7 @@ contains
 
     call begin_problem(scene, plan, pairs, contacts%n, problem)
     if (have_gap_laws(scene, plan)) then
-      call assemble_by_gaps(scene, pairs%slot_of, contacts, time_step, problem)
+      call assemble_by_gaps(scene, pairs%slot_of, contacts, time_step, .false., problem)
     else
       call assemble_by_laws(scene, pairs, contacts, time_step, problem)
     end if
@@ -107,6 +107,7 @@ contains
     type(problem_t), intent(inout) :: problem !! the problem begun
 
     call reserve_problem(problem, plan%kind, scene%bodies%n, n_contacts)
+    problem%is_continued = .false.
     call load_bodies(scene%bodies, plan%kind, pairs%body_of, plan%radius, problem%body)
   end subroutine begin_problem
 

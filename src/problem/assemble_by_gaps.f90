@@ -3,6 +3,10 @@
 !!
 !! Signorini's condition with Coulomb friction has no cohesion, compliance or bias along tangents. Values are those of
 !! `put_contact` bit for bit: products stand in the order in which the compiler fuses them with sums there.
+!!
+!! In a later substep (doc/theory/substeps.md) slots and impulses stay, and blocks where they may: those of disks do not depend on
+!! the normal, unless a body is driven along one axis. Of solids the tangents turn with the normal, and the block stays that of the
+!! first substep on them: sweeps find the same solution by any block, since they work with true relative velocities.
 module sg_assemble_by_gaps
   use sg_contacts, only: contacts_t
   use sg_delassus, only: set_block
@@ -30,13 +34,15 @@ module sg_assemble_by_gaps
 
 contains
 
-  !> Fill a begun problem whose laws all look at the gap alone; free norm, largest closing speed and friction are set.
-  pure subroutine assemble_by_gaps(scene, slot_of, contacts, time_step, problem)
+  !> Fill a begun problem whose laws all look at the gap alone, or one of the same contacts a substep before; free norm, largest
+  !! closing speed and friction are set.
+  pure subroutine assemble_by_gaps(scene, slot_of, contacts, time_step, goes_on, problem)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     integer(i4), intent(in), contiguous :: slot_of(:) !! slots of bodies
     type(contacts_t), intent(in) :: contacts !! contacts with the guess of their impulses
     real(wp), intent(in) :: time_step !! length of the step [s]
-    type(problem_t), intent(inout) :: problem !! begun; its contacts are set
+    logical, intent(in) :: goes_on !! are slots and impulses those of these contacts already, as the substep before left them?
+    type(problem_t), intent(inout) :: problem !! its bodies are set; its contacts are set
     real(wp) :: bias(chunk), friction(chunk), q(3, chunk), opening(chunk), square, squares, fastest
     integer :: first, last, n, i, j
 
@@ -48,15 +54,12 @@ contains
       last = min(contacts%n, first + chunk - 1)
       n = last - first + 1
       call find_biases(scene, contacts, first, n, time_step, bias, friction)
-      do i = first, last
-        problem%pair(1, i) = slot_of(contacts%body(1, i))
-        problem%pair(2, i) = slot_of(contacts%body(2, i))
-      end do
+      if (.not. goes_on) call put_pairs(slot_of, contacts, first, last, problem)
       associate (pair => problem%pair(:, first:last), record => problem%record(:, first:last), &
                  normal => contacts%normal(:, first:last))
         select case (problem%kind)
         case (round_frictional)
-          call assemble_round(n, problem%n_bodies, pair, normal, bias, friction, problem%body, record, q, opening)
+          call assemble_round(n, problem%n_bodies, pair, normal, bias, friction, goes_on, problem%body, record, q, opening)
         case (arm_frictional)
           call assemble_arms(n, problem%n_bodies, size(scene%bodies%middle, 1), scene%bodies%n, pair, normal, bias, friction, &
                              problem%body, contacts%body(:, first:last), contacts%point(:, first:last), contacts%gap(first:last), &
@@ -64,11 +67,10 @@ contains
         case (ball_frictional)
           call assemble_balls(n, problem%n_bodies, pair, normal, bias, friction, problem%body, record, q, opening)
         case (solid_frictional)
-          call assemble_solids(scene, contacts, first, n, bias, friction, problem, q, opening)
+          call assemble_solids(scene, contacts, first, n, bias, friction, goes_on, problem, q, opening)
         end select
       end associate
       do i = 1, n
-        problem%impulse(:, first + i - 1) = contacts%impulse(:, first + i - 1)
         square = 0
         do j = 1, 3
           square = square + q(j, i)**2
@@ -83,6 +85,21 @@ contains
     end do
     problem%free_norm = sqrt(squares)
   end subroutine assemble_by_gaps
+
+  !> Slots and impulses of a chunk of contacts.
+  pure subroutine put_pairs(slot_of, contacts, first, last, problem)
+    integer(i4), intent(in), contiguous :: slot_of(:)
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: first, last
+    type(problem_t), intent(inout) :: problem
+    integer :: k
+
+    do k = first, last
+      problem%pair(1, k) = slot_of(contacts%body(1, k))
+      problem%pair(2, k) = slot_of(contacts%body(2, k))
+      problem%impulse(:, k) = contacts%impulse(:, k)
+    end do
+  end subroutine put_pairs
 
   !> Normal biases [m/s] and friction of a chunk of contacts.
   pure subroutine find_biases(scene, contacts, first, n, time_step, bias, friction)
@@ -115,10 +132,11 @@ contains
   end subroutine find_biases
 
   !> Those of disks.
-  pure subroutine assemble_round(n, n_bodies, pair, normal, bias, friction, body, record, q, opening)
+  pure subroutine assemble_round(n, n_bodies, pair, normal, bias, friction, keeps_blocks, body, record, q, opening)
     integer, intent(in) :: n, n_bodies
     integer(i4), intent(in) :: pair(2, n)
     real(wp), intent(in) :: normal(2, n), bias(n), friction(n)
+    logical, intent(in) :: keeps_blocks
     real(wp), intent(in) :: body(body_length(round_frictional), n_bodies)
     real(wp), intent(inout) :: record(record_length(round_frictional), n)
     real(wp), intent(inout) :: q(3, n), opening(n)
@@ -131,16 +149,18 @@ contains
         y = normal(2, i)
         mx = body(round_inverse_mx, c) + body(round_inverse_mx, a)
         my = body(round_inverse_my, c) + body(round_inverse_my, a)
-        w = x**2*mx + y**2*my
-        w_nt = abs(x*y*(mx - my))
-        w_t = y**2*mx + x**2*my + body(round_inverse_i, c) + body(round_inverse_i, a)
         record(normal_x, i) = x
         record(normal_y, i) = y
         record(round_bias_n, i) = bias(i)
         record(round_bias_t, i) = 0
-        record(round_inverse_wnn, i) = inverse(w + w_nt)
-        record(round_inverse_wtt, i) = inverse(w_t + w_nt)
         record(round_friction, i) = friction(i)
+        if (.not. keeps_blocks .or. abs(mx - my) > 0) then
+          w = x**2*mx + y**2*my
+          w_nt = abs(x*y*(mx - my))
+          w_t = y**2*mx + x**2*my + body(round_inverse_i, c) + body(round_inverse_i, a)
+          record(round_inverse_wnn, i) = inverse(w + w_nt)
+          record(round_inverse_wtt, i) = inverse(w_t + w_nt)
+        end if
         mx = body(velocity_x, c) - body(velocity_x, a)
         my = body(velocity_y, c) - body(velocity_y, a)
         q(1, i) = x*mx + y*my + bias(i)
@@ -249,11 +269,12 @@ contains
   end subroutine assemble_balls
 
   !> Those of polyhedra and all else with lever arms in space.
-  pure subroutine assemble_solids(scene, contacts, first, n, bias, friction, problem, q, opening)
+  pure subroutine assemble_solids(scene, contacts, first, n, bias, friction, goes_on, problem, q, opening)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: first, n
     real(wp), intent(in) :: bias(n), friction(n)
+    logical, intent(in) :: goes_on
     type(problem_t), intent(inout) :: problem
     real(wp), intent(inout) :: q(3, n), opening(n)
     real(wp) :: half(3), arm_a(3)
@@ -268,21 +289,34 @@ contains
         arm_a(1) = arm_a(1) - scene%period*real(contacts%image(k), wp)
         arm_a(2) = arm_a(2) - scene%period_y*real(contacts%image_y(k), wp)
         record(normal_x:normal_z) = normal
-        record(solid_tangent_x:solid_tangent_z) = tangent_of(normal)
         record(solid_arm_cx:solid_arm_cz) = contacts%point(:, k) + half - middle(1:3, b(1))
         record(solid_arm_ax:solid_arm_az) = arm_a
         record(solid_bias_x:solid_bias_z) = bias(i)*normal
-        record(solid_wnn:solid_s2) = 0
-        record(solid_friction) = friction(i)
-        record(solid_friction + 1:solid_law - 1) = 0
-        record(solid_law) = 1
-        record(solid_inverse_lambda) = 0
-        call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), record)
+        if (goes_on) then
+          call turn_tangent(normal, record(solid_tangent_x:solid_tangent_z))
+        else
+          record(solid_tangent_x:solid_tangent_z) = tangent_of(normal)
+          record(solid_wnn:solid_s2) = 0
+          record(solid_friction) = friction(i)
+          record(solid_friction + 1:solid_law - 1) = 0
+          record(solid_law) = 1
+          record(solid_inverse_lambda) = 0
+          call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), record)
+        end if
         call free_velocity(problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), record, q(:, i))
         opening(i) = normal(1)*q(1, i) + normal(2)*q(2, i) + normal(3)*q(3, i)
       end associate
     end do
   end subroutine assemble_solids
+
+  !> Turn a tangent with the normal.
+  pure subroutine turn_tangent(normal, tangent)
+    real(wp), intent(in) :: normal(3)
+    real(wp), intent(inout) :: tangent(3)
+
+    tangent = tangent - dot_product(tangent, normal)*normal
+    tangent = tangent/sqrt(dot_product(tangent, tangent))
+  end subroutine turn_tangent
 
   !> Relative velocity of a contact of solids without impulses [m/s].
   pure subroutine free_velocity(c, a, record, q)

@@ -7,7 +7,7 @@ module sg_gap_laws
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: have_gap_laws
+  public :: have_gap_laws, laws_look_at_gaps
 
 contains
 
@@ -18,9 +18,16 @@ contains
     type(plan_t), intent(in) :: plan !! kind of problem
 
     have_gap_laws = any(plan%kind == [round_frictional, arm_frictional, ball_frictional, solid_frictional]) .and. &
-                    scene%links%n == 0 .and. all(looks_at_gap(scene%laws)) .and. .not. scene%cell%is_on
+                    laws_look_at_gaps(scene) .and. .not. scene%cell%is_on
     if (have_gap_laws .and. is_compact(plan%kind)) have_gap_laws = .not. has_driven_spin(scene%bodies)
   end function have_gap_laws
+
+  !> Do all laws of a scene look at the gap alone, and at nothing that a solve before has left? There are no links then.
+  pure logical function laws_look_at_gaps(scene)
+    type(scene_t), intent(in) :: scene !! scene with its laws
+
+    laws_look_at_gaps = scene%links%n == 0 .and. all(looks_at_gap(scene%laws))
+  end function laws_look_at_gaps
 
   !> Is the spin of a body driven, and not zero?
   pure logical function has_driven_spin(bodies) result(is_driven)

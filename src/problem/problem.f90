@@ -31,6 +31,8 @@ module sg_problem
     real(wp) :: closing_speed = 0
     !> Largest friction of the contacts; unknown unless the problem is assembled
     real(wp) :: most_friction = huge(1.0_wp)
+    !> Are contacts, bodies and slots those of the problem that was solved before, as in a later substep? Then orders of sweeps stay
+    logical :: is_continued = .false.
     !> Unknown rates of a periodic cell, where its stress is imposed
     type(cell_problem_t) :: cell
   end type problem_t

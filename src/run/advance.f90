@@ -11,6 +11,7 @@ module sg_advance
   use sg_error, only: error_t, fail
   use sg_find_passages, only: find_passages
   use sg_failure, only: check_input, dump_broken_step, dump_failed_solve, keep_guess, note_unconverged, note_worst, save_dump
+  use sg_gap_laws, only: laws_look_at_gaps
   use sg_guard, only: find_broken
   use sg_kinds, only: wp, i1, i4
   use sg_left_out, only: has_left_out
@@ -22,7 +23,7 @@ module sg_advance
   use sg_passages, only: time_slack
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
-  use sg_recovery, only: recover
+  use sg_recovery, only: is_push_due, recover
   use sg_relative_epsilon, only: set_relative_epsilon
   use sg_relax_cell, only: begin_cell
   use sg_report, only: add_effort, add_substep, report_t
@@ -69,13 +70,13 @@ contains
   end subroutine advance
 
   !> May contacts be sought up to a reduced alert distance, and the step be solved again where that was too short? Where a solve
-  !! leaves nothing behind but its solution.
+  !! leaves nothing behind but its solution, and substeps but impulses.
   pure logical function can_look_again(sim)
     type(simulation_t), intent(in) :: sim
 
-    can_look_again = sim%options%substeps == 1 .and. .not. sim%history%is_start .and. .not. sim%options%recovery > 0 .and. &
-                     .not. sim%plan%has_bonds .and. .not. sim%scene%cell%is_on .and. sim%scene%bodies%n_carried == 0 .and. &
-                     sim%contacts%n_carried == 0
+    can_look_again = .not. sim%history%is_start .and. .not. is_push_due(sim, sim%step + 1) .and. .not. sim%plan%has_bonds .and. &
+                     .not. sim%scene%cell%is_on .and. sim%scene%bodies%n_carried == 0 .and. sim%contacts%n_carried == 0
+    if (can_look_again .and. sim%options%substeps > 1) can_look_again = laws_look_at_gaps(sim%scene)
   end function can_look_again
 
   !> Find out whether the solution closes a contact on any rank that a reduced alert distance has left out. Collective.
@@ -101,6 +102,7 @@ contains
     if (allocated(error)) return
     must_look_again = sim%pairs%is_too_short
     if (.not. must_look_again) return
+    first = sim%report
     way = way_of_solution(sim%scene, sim%problem%body, sim%pairs%slot_of, .not. sim%plan%is_round, sim%options%time_step)
     call sim%comm%maximum(way)
     sim%pairs%way = max(sim%pairs%way, way)
@@ -109,9 +111,20 @@ contains
     if (sim%comm%size > 1) sim%pairs%asked_skin = tiny(1.0_wp)
     ! The dump of this problem, which was too small, makes room for that of the next.
     sim%dump%is_begun = .false.
+    if (sim%substep > 1) call begin_again(sim, first)
     sim%totals%repeated_steps = sim%totals%repeated_steps + 1
-    first = sim%report
   end function must_look_again
+
+  !> Go back from a later substep to the beginning of the step, its bodies in the middle of the first substep.
+  subroutine begin_again(sim, first)
+    type(simulation_t), intent(inout) :: sim
+    type(report_t), intent(inout) :: first !! effort of this substep, and then of those before too
+
+    call add_effort(sim%so_far, first)
+    call sim%step_start%restore(sim%scene%bodies, sim%energy, sim%totals, sim%tracks, sim%means)
+    sim%substep = 1
+    call predict(sim%scene, sim%substep_time(), sim%options%substep_length(), sim%options%theta)
+  end subroutine begin_again
 
   !> Let bodies in and out whose time or place it is. The list of neighbours is then made again, on all ranks.
   subroutine change_presence(sim, error)
@@ -141,12 +154,12 @@ contains
       sim%pairs%way = way_of_step(sim%scene, h, options%substeps)
       call sim%comm%maximum(sim%pairs%way)
       sim%pairs%is_reduced = .false.
-      if (can_look_again(sim)) call reduce_alerts(sim%scene, h, sim%pairs)
+      if (can_look_again(sim)) call reduce_alerts(sim%scene, options%time_step, sim%pairs)
       call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
       if (allocated(error) .or. .not. is_rebuilt) return
       call set_radii(sim%scene, sim%plan)
       call predict(sim%scene, sim%time(), h, options%theta)
-      if (sim%pairs%is_reduced) call reduce_alerts(sim%scene, h, sim%pairs)
+      if (sim%pairs%is_reduced) call reduce_alerts(sim%scene, options%time_step, sim%pairs)
     end associate
   end subroutine predict_bodies
 
@@ -179,7 +192,7 @@ contains
     if (sim%substep == 1) call check_limits(sim, error)
     associate (h => sim%options%substep_length())
       if (sim%substep > 1 .and. can_update(sim%scene, sim%plan)) then
-        call update_problem(sim%scene, sim%plan, sim%pairs%body_of, sim%contacts, h, sim%problem)
+        call update_problem(sim%scene, sim%plan, sim%pairs, sim%contacts, h, sim%problem)
       else
         call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, sim%problem)
         call set_relative_epsilon(sim%scene, sim%contacts, sim%comm, sim%problem)
@@ -252,7 +265,7 @@ contains
     status = sim%contacts%status(:sim%contacts%n)
     associate (h => sim%options%substep_length())
       if (sim%substep < sim%options%substeps .and. can_update(sim%scene, sim%plan)) then
-        call take_impulses(sim%problem, sim%plan, sim%pairs%body_of, sim%scene, sim%contacts)
+        call take_impulses(sim%problem, sim%plan, sim%pairs, sim%scene, sim%contacts)
       else
         call disassemble(sim%problem, sim%plan, sim%pairs, h, sim%report%violation, sim%scene, sim%contacts)
       end if

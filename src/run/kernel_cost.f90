@@ -70,7 +70,7 @@ contains
     do k = 1, repeats
       solved = problem
       call add_impulses(solved)
-      call active_set%begin(problem%n_contacts)
+      call active_set%begin(problem%n_contacts, .false.)
       if (any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) then
         call measure_errors(solved, report, with_e1=.false., closing=active_set%closing)
         call active_set%choose(problem%n_contacts, report)

@@ -27,7 +27,7 @@ module sg_recovery
   use sg_simulation, only: simulation_t
   implicit none
   private
-  public :: recover
+  public :: is_push_due, recover
 
   !> Largest opening of a contact that one push aims at, over the smaller of its shapes
   real(wp), parameter :: most_push = 1e-2_wp
@@ -37,6 +37,14 @@ module sg_recovery
 
 contains
 
+  !> May bodies be pushed apart at the end of a step?
+  pure logical function is_push_due(sim, step)
+    type(simulation_t), intent(in) :: sim !! the run
+    integer, intent(in) :: step !! number of the step
+
+    is_push_due = sim%options%recovery > 0 .and. modulo(step, sim%options%recovery_every) == 0
+  end function is_push_due
+
   !> Push bodies apart where a contact is deeper than the deck allows; every few steps. Collective.
   subroutine recover(sim, error)
     type(simulation_t), intent(inout) :: sim !! after a step, its contacts those of the step
@@ -44,7 +52,7 @@ contains
     type(report_t) :: report
     real(wp) :: deepest
 
-    if (modulo(sim%step, sim%options%recovery_every) > 0) return
+    if (.not. is_push_due(sim, sim%step)) return
     deepest = deepest_share(sim%scene, sim%contacts, sim%problem)
     call sim%comm%maximum(deepest)
     if (.not. deepest > sim%options%recovery) return

@@ -113,7 +113,7 @@ class Alert(ProgramCase):
 
     def test_same_motion(self):
         """Grains move as they do with contacts of everything near; at first, when all is slow, few contacts are there."""
-        for keys, substeps in ((PLANE, 1), (POLYGONS, 1), (SPACE, 1), (PLANE, 3)):
+        for keys, substeps in ((PLANE, 1), (POLYGONS, 1), (SPACE, 1), (PLANE, 3), (POLYGONS, 3), (SPACE, 3)):
             with self.subTest(shape=keys["shape"], substeps=substeps):
                 near, summary = self.fall(keys, "", substeps)
                 wide, _ = self.fall(keys, "alert = 0.04", substeps)
@@ -137,6 +137,22 @@ class Alert(ProgramCase):
             self.assertAlmostEqual(float(one["kinetic_energy"]) / float(other["kinetic_energy"]), 1, delta=1e-9)
         if self.has_hdf5():
             self.assertEqual(self.results_of(LEVER.format(alert=""), "--dump", "4")[0], near, "a dump changes nothing")
+
+    def test_solved_again_in_substeps(self):
+        """So is a step whose later substep finds out; works and counts of its first substeps count once."""
+        for substeps, friction in ((2, 0.0), (5, 0.0), (5, 0.3)):
+            with self.subTest(substeps=substeps, friction=friction):
+                words = ["--set", f"time.substeps={substeps}", "--set", f"law.friction={friction}"]
+                near, summary = self.results_of(LEVER.format(alert=""), *words)
+                wide, whole = self.results_of(LEVER.format(alert="alert = 0.04"), *words)
+                self.assertEqual(summary["repeated_steps"], 1)
+                self.assertNotIn("repeated_steps", whole)
+                self.assertEqual(summary["steps"], whole["steps"])
+                self.assertLess(summary["energy_closure"], 1e-12)
+                for one, other in zip(near, wide):
+                    self.assertEqual(int(one["active_contacts"]), int(other["active_contacts"]))
+                    for name in ("kinetic_energy", "impact_loss"):
+                        self.assertAlmostEqual(float(one[name]), float(other[name]), delta=1e-9 * float(wide[0]["kinetic_energy"]))
 
     def test_given(self):
         """An alert distance of the deck is that of all steps."""

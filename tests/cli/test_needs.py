@@ -63,7 +63,7 @@ contacts.contactor contacts.body contacts.feature contacts.law contacts.normal c
 contacts.impulse contacts.status
 history.contactor history.image history.first history.feature history.impulse history.status history.past
 problem.pair problem.record problem.impulse problem.body
-order.contact order.chosen order.dealt order.groups_of active_set.closing active_set.is_wanted active_set.is_ordered errors.bounds
+order.contact order.chosen order.missed order.dealt order.groups_of active_set.closing active_set.is_wanted active_set.is_ordered errors.bounds
 {MOMENTUM}"""
 PLANE = "contactors.segment_size contactors.segment_axis"
 SPACE = "bodies.crossings_y contactors.plane_half contactors.plane_rim contactors.plane_frame contactors.plane_world pairs.image_y contacts.image_y"

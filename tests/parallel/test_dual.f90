@@ -166,7 +166,7 @@ contains
     do i = 1, size(explicit%slot)
       call share_mass(problem%kind, explicit%parts(i), problem%body(:, explicit%slot(i)))
     end do
-    call sets%begin(problem%n_contacts, sim%options%solver)
+    call sets%begin(problem, sim%options%solver)
     call sets%split(problem, [(merge(shared_set, inner_set, any(is_shared(problem%pair(:, k)))), k=1, problem%n_contacts)], 2, &
                     .true., explicit%slot)
     call sets%arrange(problem)

@@ -180,7 +180,7 @@ contains
     under = problem
     under%impulse(:, :) = solved%impulse
     dual%options = sim%options%solver
-    call dual%sets%begin(under%n_contacts, dual%options)
+    call dual%sets%begin(under, dual%options)
     call dual%open(under, coupling, sim%comm)
     call dual%close(under, coupling, sim%comm)
     w = first_inverse(problem%kind) - 1

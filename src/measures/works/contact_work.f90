@@ -31,8 +31,9 @@ contains
     has_zones = has_bonds(contacts)
     if (scene%dimension == 3) spin = spins_in_world(scene%bodies, velocity)
     if (contacts%n_moments > 0) work(4) = work_of_moments(contacts, velocity, spin)
-    if (scene%dimension == 2 .and. .not. has_zones .and. .not. scene%cell%is_on) then
-      work(1:2) = work_in_plane(scene, contacts, velocity)
+    if (.not. (has_zones .or. scene%cell%is_on)) then
+      if (scene%dimension == 2) work(1:2) = work_in_plane(scene, contacts, velocity)
+      if (scene%dimension == 3) work(1:2) = work_in_space(scene, contacts, velocity, spin)
       return
     end if
     do k = 1, contacts%n
@@ -97,6 +98,46 @@ contains
       end associate
     end do
   end function work_in_plane
+
+  !> The same in space: impulses, which are vectors there or along the normal alone, times `jump_at`.
+  pure function work_in_space(scene, contacts, velocity, spin) result(work)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in), contiguous :: velocity(:, :), spin(:, :)
+    real(wp) :: work(2), x, y, z, half, ux, uy, uz, normal
+    integer :: k
+
+    work = 0
+    do k = 1, contacts%n
+      if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
+      associate (c => contacts%body(1, k), a => contacts%body(2, k), n => contacts%normal(:, k), point => contacts%point(:, k), &
+                 middle => scene%bodies%middle, r => contacts%impulse(:, k))
+        ux = velocity(1, c) - velocity(1, a)
+        uy = velocity(2, c) - velocity(2, a)
+        uz = velocity(3, c) - velocity(3, a)
+        if (size(spin, 2) > 0) then
+          half = contacts%gap(k)/2
+          x = point(1) + half*n(1) - middle(1, c)
+          y = point(2) + half*n(2) - middle(2, c)
+          z = point(3) + half*n(3) - middle(3, c)
+          ux = ux + spin(2, c)*z - spin(3, c)*y
+          uy = uy + spin(3, c)*x - spin(1, c)*z
+          uz = uz + spin(1, c)*y - spin(2, c)*x
+          x = point(1) - half*n(1) - middle(1, a) - scene%period*real(contacts%image(k), wp)
+          y = point(2) - half*n(2) - middle(2, a) - scene%period_y*real(contacts%image_y(k), wp)
+          z = point(3) - half*n(3) - middle(3, a)
+          ux = ux - (spin(2, a)*z - spin(3, a)*y)
+          uy = uy - (spin(3, a)*x - spin(1, a)*z)
+          uz = uz - (spin(1, a)*y - spin(2, a)*x)
+        end if
+        normal = r(1)
+        if (contacts%n_components == 3) normal = n(1)*r(1) + n(2)*r(2) + n(3)*r(3)
+        normal = normal*(n(1)*ux + n(2)*uy + n(3)*uz)
+        work(1) = work(1) + normal
+        if (contacts%n_components == 3) work(2) = work(2) + (r(1)*ux + r(2)*uy + r(3)*uz - normal)
+      end associate
+    end do
+  end function work_in_space
 
   !> Work of moments on the relative spins of contacts [J].
   pure real(wp) function work_of_moments(contacts, velocity, spin) result(work)

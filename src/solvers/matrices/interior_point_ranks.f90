@@ -68,7 +68,7 @@ contains
     type(subdomain_t), intent(in) :: coupling
     type(comm_t), intent(inout) :: comm
 
-    call self%sets%begin(problem%n_contacts, self%options)
+    call self%sets%begin(problem, self%options)
     call self%sets%nesterov%begin(self%has_momentum)
     call self%dual_t%open(problem, coupling, comm)
   end subroutine open_again

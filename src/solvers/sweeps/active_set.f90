@@ -25,10 +25,11 @@ module sg_active_set
 
 contains
 
-  !> Begin a solve: all contacts are to be visited, and no order holds them yet.
-  pure subroutine active_set_begin(self, n)
+  !> Begin a solve: all contacts are to be visited, and no order holds them yet, unless that of the last solve goes on.
+  pure subroutine active_set_begin(self, n, keeps_order)
     class(active_set_t), intent(inout) :: self
     integer, intent(in) :: n !! contacts
+    logical, intent(in) :: keeps_order !! are contacts those of the last solve, in an order that goes on?
     integer :: room
 
     if (allocated(self%is_wanted)) then
@@ -39,7 +40,7 @@ contains
       allocate (self%closing(room), self%is_wanted(room), self%is_ordered(room))
     end if
     self%is_wanted(:n) = .true.
-    self%is_ordered(:n) = .false.
+    if (.not. keeps_order) self%is_ordered(:n) = .false.
   end subroutine active_set_begin
 
   !> Choose by the velocities that were found when errors were measured.

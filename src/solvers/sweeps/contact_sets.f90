@@ -11,7 +11,7 @@ module sg_contact_sets
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
   use sg_solved_clusters, only: solved_clusters_t
-  use sg_sweep_order, only: give_impulses, list_order, put_biases, sweep_order_t, update_order
+  use sg_sweep_order, only: give_impulses, list_order, put_biases, refill_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
   use sg_tables, only: per_contact, tables_t
   implicit none
@@ -38,8 +38,9 @@ module sg_contact_sets
     !> Momentum from sweep to sweep
     type(nesterov_t) :: nesterov
     type(solver_options_t), private :: options
-    !> Do the orders hold contacts of this problem yet?
+    !> Do the orders hold contacts of this problem yet? And if not, those of the problem before, which are the same?
     logical :: is_arranged = .false.
+    logical, private :: holds_last = .false.
   contains
     procedure :: begin => sets_begin
     procedure :: split => sets_split
@@ -57,17 +58,18 @@ module sg_contact_sets
 contains
 
   !> Take all contacts of a problem in one set. Before the first sweep follows `arrange`, or `choose` where a guess determines the
-  !! active set.
-  subroutine sets_begin(self, n_contacts, options)
+  !! active set. Where the problem goes on from the last one, its order does too.
+  subroutine sets_begin(self, problem, options)
     class(contact_sets_t), intent(inout) :: self
-    integer, intent(in) :: n_contacts !! contacts of the problem
+    type(problem_t), intent(in) :: problem !! problem to sweep
     type(solver_options_t), intent(in) :: options !! order and threads of the sweeps
 
+    self%holds_last = problem%is_continued .and. self%is_arranged .and. self%n == 1
     self%options = options
     self%n = 1
     self%shared = [integer ::]
     call self%clusters%begin()
-    call self%active_set%begin(n_contacts)
+    call self%active_set%begin(problem%n_contacts, self%holds_last)
     self%is_arranged = .false.
   end subroutine sets_begin
 
@@ -82,6 +84,8 @@ contains
     integer :: k
 
     self%n = n
+    self%holds_last = .false.
+    self%active_set%is_ordered = .false.
     self%set_of = set_of
     self%shared = shared
     self%contact = pack([(int(k, i4), k=1, size(set_of))], set_of == shared_set .and. are_masses_divided)
@@ -101,7 +105,7 @@ contains
     logical, allocatable :: is_ordered(:)
     integer :: s
 
-    if (.not. self%is_arranged) call empty_orders(self)
+    if (.not. self%is_arranged) call begin_orders(self, problem)
     associate (n => problem%n_contacts, active_set => self%active_set)
       if (self%n == 1) then
         call update_order(self%order(1), problem, active_set%is_wanted(:n), active_set%is_ordered(:n), self%options)
@@ -117,17 +121,22 @@ contains
     end associate
   end subroutine sets_arrange
 
-  !> One order per set, without contacts; the room of orders is kept.
-  pure subroutine empty_orders(self)
+  !> One order per set, without contacts; the room of orders is kept. Or the order of the problem before, where that goes on.
+  pure subroutine begin_orders(self, problem)
     class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
 
+    self%is_arranged = .true.
+    if (self%holds_last) then
+      call refill_order(self%order(1), problem)
+      return
+    end if
     if (allocated(self%order)) then
       if (size(self%order) /= self%n) deallocate (self%order)
     end if
     if (.not. allocated(self%order)) allocate (self%order(self%n))
     self%order%n = 0
-    self%is_arranged = .true.
-  end subroutine empty_orders
+  end subroutine begin_orders
 
   !> Exchange the records of contacts of divided bodies with those for whole masses.
   subroutine swap_records(self, problem)

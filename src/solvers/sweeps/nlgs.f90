@@ -84,7 +84,7 @@ contains
     ! A relaxed sweep would leave outside of its cone what momentum takes there.
     if (self%has_momentum) self%options%relaxation = 1
     self%damping = 1
-    call self%sets%begin(problem%n_contacts, self%options)
+    call self%sets%begin(problem, self%options)
     call self%sets%nesterov%begin(self%has_momentum)
     call self%open(problem, coupling, comm)
     if (problem%cell%is_on) call open_cell(self, problem, comm)

@@ -18,7 +18,7 @@ module sg_sweep_order
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
-  public :: sweep_order_t, set_order, update_order, give_impulses, put_biases, put_impulses, list_order
+  public :: sweep_order_t, set_order, update_order, refill_order, give_impulses, put_biases, put_impulses, list_order
 
   !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
@@ -45,8 +45,8 @@ module sg_sweep_order
     integer :: threads = 1
     !> What `chosen` was dealt by, in `groups` order
     type(kept_dealing_t), private :: dealt
-    !> Room for dealing: contacts chosen, and groups of each body as bits
-    integer(i4), allocatable, private :: chosen(:)
+    !> Room for dealing: contacts chosen and missed, and groups of each body as bits
+    integer(i4), allocatable, private :: chosen(:), missed(:)
     integer(i8), allocatable, private :: groups_of(:)
   end type sweep_order_t
 
@@ -59,7 +59,7 @@ contains
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
     type(solver_options_t), intent(in) :: options !! order and threads; whether the criterion looks at records in their order
     type(random_t) :: random
-    logical :: is_done, is_as_before
+    logical :: is_as_before
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
     order%serial = order%serial + 1
@@ -85,10 +85,19 @@ contains
       end if
     end select
     order%has_copies = order%n_groups + order%solids%n_groups == 0 .or. .not. looks_at_errors(options%criterion)
+    call refill_order(order, problem)
+  end subroutine set_order
+
+  !> Copy slots, records and impulses of a problem to an order that holds its contacts already, however old its copies are.
+  pure subroutine refill_order(order, problem)
+    type(sweep_order_t), intent(inout) :: order !! its copies are set
+    type(problem_t), intent(in) :: problem !! problem to sweep
+    logical :: is_done
+
     if (order%has_copies) call fill_copies(order, problem, 1)
     if (order%n_groups > 0) call fill_lanes(order, problem, 1, 1)
     if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, 1, is_done)
-  end subroutine set_order
+  end subroutine refill_order
 
   !> List the marked contacts. Are they those that were dealt last?
   pure subroutine choose(order, is_wanted, is_as_before)
@@ -119,13 +128,12 @@ contains
     integer :: wanted, missed
     logical :: is_done
 
-    wanted = count(is_wanted)
-    missed = count(is_wanted .and. .not. is_ordered)
+    call list_missed(is_wanted, is_ordered, order%missed, wanted, missed)
     if (order%n > 0 .and. wanted >= order%n - order%n/slack) then
       if (missed == 0) return
       if (missed <= order%n/slack .and. options%order == 'groups') then
-        call append(order, problem, is_wanted .and. .not. is_ordered, is_done)
-        if (is_done) is_ordered = is_ordered .or. is_wanted
+        call append(order, problem, missed, is_done)
+        if (is_done) is_ordered(order%missed(:missed)) = .true.
         if (is_done) return
       end if
     end if
@@ -133,26 +141,45 @@ contains
     is_ordered = is_wanted
   end subroutine update_order
 
-  !> Add contacts to groups of their own at the end of an order, if there is room.
-  pure subroutine append(order, problem, is_added, is_done)
+  !> List the marked contacts that an order does not hold, and count all marked ones: without branches, which contacts that open and
+  !! close by turns would make slow.
+  pure subroutine list_missed(is_wanted, is_ordered, list, wanted, missed)
+    logical, intent(in), contiguous :: is_wanted(:), is_ordered(:)
+    integer(i4), allocatable, intent(inout) :: list(:)
+    integer, intent(out) :: wanted, missed
+    integer :: k, n
+
+    n = size(is_wanted)
+    if (allocated(list)) then
+      if (size(list) <= n) deallocate (list)
+    end if
+    if (.not. allocated(list)) allocate (list(n + n/8 + 1))
+    wanted = 0
+    missed = 0
+    do k = 1, n
+      list(missed + 1) = int(k, i4)
+      wanted = wanted + merge(1, 0, is_wanted(k))
+      missed = missed + merge(1, 0, is_wanted(k))*merge(0, 1, is_ordered(k))
+    end do
+  end subroutine list_missed
+
+  !> Add the first contacts that were missed to groups of their own at the end of an order, if there is room.
+  pure subroutine append(order, problem, missed, is_done)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
-    logical, intent(in), contiguous :: is_added(:)
+    integer, intent(in) :: missed
     logical, intent(out) :: is_done
-    integer :: k, first, first_group, first_solid_group
+    integer :: first, first_group, first_solid_group
 
     first = order%n + 1
     first_group = order%n_groups + 1
     first_solid_group = order%solids%n_groups + 1
-    is_done = order%n + count(is_added) <= size(order%contact)
-    if (is_done .and. order%has_copies) is_done = order%n + count(is_added) <= size(order%pair, 2)
+    is_done = order%n + missed <= size(order%contact)
+    if (is_done .and. order%has_copies) is_done = order%n + missed <= size(order%pair, 2)
     if (.not. is_done) return
     order%serial = order%serial + 1
-    do k = 1, problem%n_contacts
-      if (.not. is_added(k)) cycle
-      order%n = order%n + 1
-      order%chosen(order%n) = int(k, i4)
-    end do
+    order%chosen(first:first + missed - 1) = order%missed(:missed)
+    order%n = order%n + missed
     call deal(order, problem, first, order%n)
     if (order%has_copies) call fill_copies(order, problem, first)
     if (order%n_groups > 0) then
@@ -399,6 +426,7 @@ contains
     call tables%note('record', order%record)
     call tables%note('impulse', order%impulse)
     call tables%note('chosen', order%chosen)
+    call tables%note('missed', order%missed)
     call tables%note('dealt', order%dealt%slots)
     call tables%note('group_size', order%group_size)
     call tables%note('lane_pair', order%lane_pair)

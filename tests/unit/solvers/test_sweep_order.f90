@@ -4,12 +4,15 @@ program test_sweep_order
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
-  use sg_records, only: arm_frictional, ball_frictional, first_inverse, round_frictional, solid_frictional
+  use sg_records, only: arm_frictional, ball_frictional, first_inverse, normal_x, normal_z, round_frictional, solid_frictional, &
+                        solid_cohesion, solid_law, solid_tangent_x, solid_tangent_z
   use sg_run_options, only: solver_options_t
-  use sg_sweep_order, only: set_order, sweep_order_t, update_order
+  use sg_sweep_order, only: give_impulses, refill_order, set_order, sweep_order_t, update_order
   use sg_text, only: to_text
   implicit none
   integer, parameter :: kinds(4) = [round_frictional, arm_frictional, ball_frictional, solid_frictional]
+  ! Impulses of order one, turned into a local frame and back.
+  real(wp), parameter :: rounding = 1e-14_wp
   type(tests_t) :: tests
   type(random_t) :: random
   integer :: i
@@ -17,10 +20,68 @@ program test_sweep_order
   call random%seed(11)
   do i = 1, size(kinds)
     call orders_are_as_new(kinds(i), random)
+    call orders_are_refilled(kinds(i), random)
   end do
   call tests%finish()
 
 contains
+
+  !> An order of other records and impulses, to which contacts were added, gives the impulses of the new problem back and has its
+  !! records; and nothing is added again to an order that holds all.
+  subroutine orders_are_refilled(kind, random)
+    integer, intent(in) :: kind
+    type(random_t), intent(inout) :: random
+    type(problem_t) :: problem, back
+    type(sweep_order_t) :: order
+    type(solver_options_t) :: options
+    logical, allocatable :: is_wanted(:), is_ordered(:)
+    integer :: k, i, serial
+
+    call make_problem(kind, random, problem)
+    options%order = 'groups'
+    allocate (is_wanted(problem%n_contacts), source=.true.)
+    do k = 1, problem%n_contacts, 40
+      is_wanted(k) = .false.
+    end do
+    is_ordered = is_wanted
+    call set_order(order, problem, is_wanted, options)
+    is_wanted(1::80) = .true.
+    is_wanted(2::90) = .false.
+    call update_order(order, problem, is_wanted, is_ordered, options)
+    call tests%check(all(is_ordered .or. .not. is_wanted), 'added: the order holds all that are wanted')
+    serial = order%serial
+    call update_order(order, problem, is_wanted, is_ordered, options)
+    call tests%equal(order%serial, serial, 'added: an order that holds all stays')
+    do k = 1, problem%n_contacts
+      do i = 1, size(problem%record, 1)
+        problem%record(i, k) = random%uniform()
+      end do
+      if (kind == solid_frictional) call put_law_and_frame(problem%record(:, k))
+      problem%impulse(:, k) = random%uniform(1.0_wp, 2.0_wp)
+    end do
+    call refill_order(order, problem)
+    back = problem
+    back%impulse = -1
+    call give_impulses(order, back)
+    do k = 1, problem%n_contacts
+      if (is_ordered(k)) call tests%check(all(abs(back%impulse(:, k) - problem%impulse(:, k)) < rounding), &
+                                          'refilled: impulses')
+    end do
+    if (.not. order%has_copies) return
+    do i = 1, order%n
+      call tests%check(all(.not. abs(order%record(:, i) - problem%record(:, order%contact(i))) > 0), 'refilled: records')
+    end do
+  end subroutine orders_are_refilled
+
+  !> Rows of solids hold impulses of contacts that take part, in their local frames.
+  subroutine put_law_and_frame(record)
+    real(wp), intent(inout) :: record(:)
+
+    record(normal_x:normal_z) = [0.0_wp, 0.0_wp, 1.0_wp]
+    record(solid_tangent_x:solid_tangent_z) = [1.0_wp, 0.0_wp, 0.0_wp]
+    record(solid_law) = 1
+    record(solid_cohesion) = 0
+  end subroutine put_law_and_frame
 
   !> Problems one after the other, each like the one before up to a change, which may be none: the order that goes on from
   !! problem to problem next to one of its own for each.
