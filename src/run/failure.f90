@@ -8,7 +8,7 @@ module sg_failure
   use sg_assemble, only: assemble
   use sg_checkpoint, only: save_once
   use sg_dump, only: begin_dump, finish_dump
-  use sg_error, only: error_t, exit_broken, exit_unbalanced
+  use sg_error, only: error_t, exit_broken, exit_stopped, exit_unbalanced
   use sg_guard, only: find_broken, number_of
   use sg_history, only: revive
   use sg_kinds, only: wp, i1
@@ -43,8 +43,11 @@ contains
     has_contacts = sim%comm%any(sim%problem%n_contacts > 0)
     sim%dump%is_unsolved = .true.
     sim%report = unsolved()
-    sim%all_contacts = sim%contacts%n
-    call sim%comm%sum(sim%all_contacts)
+    ! A step that the walltime ends has no contacts; those of the step before count.
+    if (error%code /= exit_stopped) then
+      sim%all_contacts = sim%contacts%n
+      call sim%comm%sum(sim%all_contacts)
+    end if
     if (error%code == exit_broken .and. has_contacts) call dump(sim, sim%problem)
   end subroutine check_input
 

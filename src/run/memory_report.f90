@@ -38,9 +38,11 @@ module sg_memory_report
 
 contains
 
-  !> Print the needs of a run. The simulation has ended: it is left within a step. Collective.
-  subroutine report_memory(sim, error)
+  !> Print the needs of a run. The simulation has ended: it is left within a step. Collective. Where the run was stopped there is no
+  !! time to measure what sweeps cost.
+  subroutine report_memory(sim, is_stopped, error)
     type(simulation_t), intent(inout) :: sim !! after its last step
+    logical, intent(in) :: is_stopped !! by a signal or by the walltime
     type(error_t), allocatable, intent(out) :: error !! set on all ranks when needs.json cannot be written
     type(needs_t) :: needs
 
@@ -51,9 +53,8 @@ contains
     needs%libraries = opened_libraries()
     needs%messages = real(sim%comm%traffic%messages, wp)
     if (sim%comm%size > 1) call add_ranks(needs, sim)
-    if (sim%comm%size == 1 .and. is_swept(sim%options%solver%method) .and. sim%step > 0) then
+    if (sim%comm%size == 1 .and. is_swept(sim%options%solver%method) .and. sim%step > 0 .and. .not. is_stopped) &
       call measure_cost(sim, needs%cost)
-    end if
     if (sim%comm%rank == 0) then
       if (.not. sim%options%is_quiet) call print_needs(needs)
       call write_needs(needs, sim, error)

@@ -43,6 +43,7 @@ contains
     integer, intent(out) :: code !! exit code when there is no error
     type(error_t), allocatable, intent(out) :: error !! error that ended the run, where there is one
     type(error_t), allocatable :: late
+    logical :: is_stopped
 
     code = exit_done
     associate (writers => sim%writers)
@@ -77,7 +78,10 @@ contains
     call sim%comm%agree(late)
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     if (.not. sim%options%is_quiet) call print_end(sim%writers, allocated(error))
-    if (sim%options%reports_memory .and. .not. allocated(error)) call report_memory(sim, error)
+    is_stopped = code == exit_stopped
+    if (allocated(error)) is_stopped = error%code == exit_stopped
+    if (sim%options%reports_memory .and. (is_stopped .or. .not. allocated(error))) call report_memory(sim, is_stopped, late)
+    if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     call leave_folder(sim%options, sim%comm)
   end subroutine simulate
 

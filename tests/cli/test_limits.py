@@ -101,14 +101,18 @@ class Limits(ProgramCase):
         self.assertEqual(done.stderr, "error: stopped by the walltime before the first step; there is no checkpoint\n")
 
     def test_walltime_holds_in_the_detection(self):
+        """The run ends within a detection, with a checkpoint, and still reports the memory of its tables."""
         self.write(CROWD.format(alert=10.0).replace("count = 12000", "count = 20000"))
         start = time.monotonic()
-        self.run_program("run", "deck.toml", "--output", "out", "--walltime", "1", "--quiet", code=75)
+        self.run_program("run", "deck.toml", "--output", "out", "--walltime", "1", "--quiet", "--needs", code=75)
         self.assertLess(time.monotonic() - start, 10)
         run = json.loads((self.place / "out/run.json").read_text())
         self.assertEqual((run["status"], run["reason"], run["steps"]), ("stopped", "stopped by the walltime after step 0", 0))
         if self.has_hdf5():
             self.assertTrue((self.place / "out/restart_a.h5").exists())
+        needs = json.loads((self.place / "out/needs.json").read_text())
+        self.assertEqual((needs["grains"], needs["contacts"], needs["steps"]), (20000, 0, 0))
+        self.assertGreater(needs["bytes_per_grain"], 100)
 
 
 if __name__ == "__main__":
