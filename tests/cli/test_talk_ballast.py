@@ -46,6 +46,7 @@ class Ballast(ProgramCase):
         self.run_program("run", DECKS / "sample.toml", "--output", "sample", "--quiet", *SMALL)
         run = json.loads((self.place / "sample/run.json").read_text())
         self.assertIn("end condition", run["stages"][-1]["reason"])
+        self.check_free_fall(run)
         rest = self.rows_of("sample", "tracks.csv", body="sleeper", stage="4")
         # Ten recorded steps in which the mean velocity was below 0.02 m/s; loads swing by some percent.
         self.assertAlmostEqual(self.mean(rest[-10:], "mean_force_z"), LOAD * WIDTH + SLEEPER, delta=0.05 * (LOAD * WIDTH + SLEEPER))
@@ -73,6 +74,16 @@ class Ballast(ProgramCase):
         self.assertLess(work, -1.0)
         below = self.rows_of("tamped", "regions.csv", region="below", stage="6")
         self.assertTrue(all(int(row["grains"]) > 5 for row in below))
+
+    def check_free_fall(self, run):
+        """Where the sleeper is placed it touches no stone: it falls freely, unloaded, down to the first one."""
+        placed = self.rows_of("sample", "tracks.csv", body="sleeper", stage="2")
+        first = placed[0]
+        since = float(first["time"]) - run["stages"][0]["end_time"]
+        self.assertGreater(since, 0)
+        self.assertEqual((float(first["contact_work"]), float(first["mean_force_z"])), (0, 0))
+        # The sum of a few additions of g h: exact up to their rounding.
+        self.assertAlmostEqual(float(first["velocity_z"]), -9.81 * since, delta=1e-12)
 
     def test_a_sleeper_settles_under_cycles_of_load(self):
         """Eight cycles of load: contacts carry its mean and the weight, the sleeper sinks, and no overlap adds up to it."""
