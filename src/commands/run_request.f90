@@ -63,7 +63,7 @@ contains
       type(diagnostics_t), intent(in) :: found
       logical :: is_root
 
-      call judge_deck(sim%comm, found, is_bad, is_root)
+      call judge_deck(sim%comm, found, sim%stages%number > 0, is_bad, is_root)
       if (.not. (is_bad .and. is_root)) return
       if (len(request%folder) > 0 .or. file_exists(sim%options%folder)) &
         call report_failure(request, sim%options%folder, found%errors(1)%sentence())
@@ -89,9 +89,10 @@ contains
   end subroutine take_options
 
   !> Has any rank found the deck wrong? Of those that have, the lowest one reports it. Warnings are printed by the first rank.
-  subroutine judge_deck(comm, diagnostics, is_bad, is_root)
+  subroutine judge_deck(comm, diagnostics, has_stages, is_bad, is_root)
     type(comm_t), intent(inout) :: comm
     type(diagnostics_t), intent(in) :: diagnostics
+    logical, intent(in) :: has_stages !! stages that are not due are checked by rank 0 alone
     logical, intent(out) :: is_bad, is_root
     integer :: root, found
 
@@ -103,7 +104,7 @@ contains
     is_root = comm%rank == merge(root, 0, is_bad)
     if (.not. is_root) return
     call diagnostics%print(error_unit)
-    if (is_bad .and. found < comm%size) then
+    if (is_bad .and. found < comm%size .and. .not. (has_stages .and. root == 0 .and. found == 1)) then
       write (error_unit, '(a)') to_text(found)//' of '//to_text(comm%size)//' ranks report this, the first is rank '// &
         to_text(comm%rank)//': check that all ranks read the same files'
     end if

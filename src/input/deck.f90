@@ -50,7 +50,7 @@ contains
   !!
   !! The rank keeps a part of it (`sg_bodies_from_deck`); that no grains overlap is then to be checked by all ranks together
   !! (`sg_shared_start`). No message is sent here: the ranks may not read the same deck. Of a deck with stages the scene is that of
-  !! the stage that is due, the first one unless `stages` has others behind it; the other stages are checked.
+  !! the stage that is due, the first one unless `stages` has others behind it; the other stages are checked by rank 0.
   subroutine read_share(file, settings, comm, scene, options, deck, diagnostics, stages)
     character(len=*), intent(in) :: file !! path of the deck
     type(text_t), intent(in) :: settings(:) !! settings laid over it, each `section.key=value`
@@ -85,12 +85,13 @@ contains
     deck%bears_moments = stages_bear_moments(deck)
     whole = deck
     call read_stage(whole, run, run%number, deck, scene, options, diagnostics)
-    if (.not. run%are_checked .and. diagnostics%count() == 0) call check_stages(whole, run, diagnostics)
+    ! One rank is enough: a stage that is due is read by all.
+    if (.not. run%are_checked .and. comm%rank == 0 .and. diagnostics%count() == 0) call check_stages(whole, run, diagnostics)
     run%are_checked = .true.
+    if (present(stages)) stages = run
     if (diagnostics%count() > 0) return
     if (.not. run%begins) scene%start_time = run%list(run%number)%origin
     call effective_deck(whole, options%deck_text, options%deck_hash)
-    if (present(stages)) stages = run
   end subroutine read_share
 
   !> Scene and options of a stage.

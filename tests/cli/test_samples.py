@@ -163,6 +163,20 @@ class Samples(ProgramCase):
         self.assertGreater(start[6], 3 * start[1])
         self.assertEqual([run["wait_seconds_mean"], run["wait_seconds_max"]], [0, 0])
 
+    def test_stages_that_are_not_due_are_read_once(self):
+        """A run that ends in the first of six stages: one subdomain reads the five others, so that six make the stones eleven times, and
+        not 36 times."""
+        if not self.has_library("Qhull"):
+            self.skipTest("random polyhedra are hulls, which a program without Qhull cannot make")
+        deck = SCENE + SAMPLE.replace("SIZE", 'curve = "ballast_a"').replace("150", "600")
+        stages = "".join(f'[[stage]]\nname = "{name}"\nsteps = 1\n[[stage.law]]\nfriction = 0.{name}\n' for name in range(1, 7))
+        start = {}
+        for staged in ("", stages):
+            self.run_deck(deck + staged, "--set", "partition.parts=6")
+            start[staged] = self.run_json()["start_cpu_seconds"]
+        # 11/6 = 1.8 times where each subdomain reads its own stage alone.
+        self.assertLess(start[stages], 3.5 * start[""])
+
     def test_together(self):
         """Samples in one box do not overlap, in a periodic one neither: overlaps at the start are warned of."""
         for period in ("", "[scene]\nperiod_x = 1.0"):

@@ -295,9 +295,10 @@ class Staged(ProgramCase):
                 self.write(DISK, stages)
                 text = (self.place / "deck.toml").read_text().splitlines()
                 line = max(i for i, text_line in enumerate(text, 1) if text_line.startswith(place))
-                for command in (("run", "deck.toml"), ("check", "deck.toml")):
+                for command in (("run", "deck.toml"), ("check", "deck.toml"), ("run", "deck.toml", "--set", "partition.parts=2")):
                     said = self.run_program(*command, code=2).stderr
                     self.assertIn(words, said)
+                    self.assertNotIn("ranks report this", said)
                     self.assertRegex(said, rf"deck.toml:{line}:\d+: error: ")
                     self.assertRegex(said, r"\n +\^")
         self.write(DISK + "[stop]\nwhen = 'time > 1'\n", ["steps = 10"])
