@@ -13,7 +13,7 @@ from program_case import ProgramCase, take_program  # noqa: E402
 DECKS = Path(__file__).resolve().parents[2] / "input_decks/talk/ballast"
 # 248 stones, in steps twice as long; the tines go deeper, as the bed is thin.
 SMALL = [word for setting in (
-    "constants.width=0.14", "sample[1].count=200", "sample[2].count=24", "sample[3].count=24", "body[1].position=[0.3,0.07,0.22]",
+    "constants.width=0.14", "sample[1].count=200", "sample[2].count=24", "sample[3].count=24", "body[1].position=[0.3,0.07,0.28]",
     "time.step=1.6e-3", "stage[4].until=mean_velocity<0.02") for word in ("--set", setting)]
 WIDTH, LOAD, LIFT = 0.14, 4e3, 0.025
 SLEEPER = 0.26 * (WIDTH - 0.02) * 0.2 * 2400 * 9.81
