@@ -1,11 +1,12 @@
 """Volume error and coordination below two neighbouring sleepers, by the numbers of sweeps of the subdomains.
 
-usage: PYTHONPATH=postpro python3 -P postpro/experiments/subdomain_sweeps.py STUDY [PNG]
+usage: PYTHONPATH=postpro python3 -P postpro/experiments/subdomain_sweeps.py FOLDER... [PNG]
 
-STUDY is the folder that `splitgrain study` makes of input_decks/studies/subdomain_sweeps.toml, subdomain_sweeps_few.toml or
-sweeps_needed.toml. Prints one line per run: the largest volume error below sleepers 3 and 4 and below any, over the recorded steps of
-the stage in which tines plunge, and the mean coordination below 3 and 4 in it, with the change against the first run, the one with
-most sweeps. Draws both in time into PNG, dashed the warm runs of a study of both. A cold run starts each step from impulses of zero, the others from those of the step before.
+FOLDER is what `splitgrain study` makes of input_decks/studies/subdomain_sweeps.toml, subdomain_sweeps_few.toml or sweeps_needed.toml,
+or the results of a single run of that kind. Prints one line per run: the largest volume error below sleepers 3 and 4 and below any,
+over the recorded steps of the stage in which tines plunge, the mean coordination below 3 and 4 in it, with the change against the
+first run, the one with most sweeps, and the number of recorded steps. Draws both in time into PNG, dashed the warm runs where there
+are both. A cold run starts each step from impulses of zero, the others from those of the step before.
 """
 
 import sys
@@ -20,11 +21,15 @@ SLEEPERS = ("below.3", "below.4")
 PLUNGING = 6  # number of the stage
 
 
-def read_runs(study):
-    """Runs of a study as (sweeps per step of each subdomain, start of impulses, regions while tines plunge), the most sweeps first."""
+def results_in(folder):
+    """Folders of results: those of the runs of a study, or the folder itself."""
+    return [path.with_suffix("") for path in Path(folder, "runs").glob("*.json")] or [Path(folder)]
+
+
+def read_runs(folders):
+    """Runs as (sweeps per step of each subdomain, start of impulses, regions while tines plunge), the most sweeps first."""
     runs = []
-    for path in Path(study, "runs").glob("*.json"):
-        folder = path.with_suffix("")
+    for folder in (results for folder in folders for results in results_in(folder)):
         deck = tomllib.loads((folder / "effective.toml").read_text())
         start = "warm" if deck["solver"]["warm_start"] else "cold"
         runs.append((sweeps_of(deck), start, plunging(Results(folder).regions)))
@@ -48,7 +53,7 @@ def plunging(regions):
 
 def print_table(runs):
     """A line per run."""
-    print("sweeps per subdomain | largest volume error [%] below 3, 4, any | mean coordination below 3, 4, change [%]")
+    print("sweeps per subdomain | largest volume error [%] below 3, 4, any | mean coordination below 3, 4, change [%] | steps")
     first = None
     for sweeps, start, regions in runs:
         means = np.array([regions[name]["coordination"].mean() for name in SLEEPERS])
@@ -56,7 +61,7 @@ def print_table(runs):
         errors = [100 * regions[name]["volume_error"].max() for name in (*SLEEPERS, *regions)]
         shown = [*errors[:2], max(errors)]
         print(" ".join(f"{number:4d}" for number in sweeps), start, "|", " ".join(f"{error:7.4f}" for error in shown), "|",
-              " ".join(f"{mean:5.2f} ({change:+.1f})" for mean, change in zip(means, 100 * (means / first - 1))))  # fmt: skip
+              " ".join(f"{mean:5.2f} ({change:+.1f})" for mean, change in zip(means, 100 * (means / first - 1))), "|", len(regions[SLEEPERS[0]]["time"]))  # fmt: skip
 
 
 def draw(runs, output):
@@ -80,10 +85,11 @@ def draw(runs, output):
     figure.savefig(output, dpi=110)
 
 
-def main(study, output=None):
-    runs = read_runs(study)
+def main(*words):
+    folders = [word for word in words if not str(word).endswith(".png")]
+    runs = read_runs(folders)
     print_table(runs)
-    if output:
+    for output in set(words) - set(folders):
         draw(runs, output)
 
 
