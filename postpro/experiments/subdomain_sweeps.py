@@ -4,8 +4,8 @@ usage: PYTHONPATH=postpro python3 -P postpro/experiments/subdomain_sweeps.py FOL
 
 FOLDER is what `splitgrain study` makes of input_decks/studies/subdomain_sweeps.toml, subdomain_sweeps_few.toml or sweeps_needed.toml,
 or the results of a single run of that kind. Prints one line per run: the largest volume error below sleepers 3 and 4 and below any,
-over the recorded steps of the stage in which tines plunge, the mean coordination below 3 and 4 in it, with the change against the
-first run, the one with most sweeps, and the number of recorded steps. Draws both in time into PNG, dashed the warm runs where there
+over the steps of the stage in which tines plunge that all runs have recorded, the mean coordination below 3 and 4 in them, with the
+change against the first run, the one with most sweeps, and the number of these steps. Draws both in time into PNG, dashed the warm runs where there
 are both. A cold run starts each step from impulses of zero, the others from those of the step before.
 """
 
@@ -51,6 +51,13 @@ def plunging(regions):
             for name, region in regions.items()}  # fmt: skip
 
 
+def in_common(runs):
+    """The runs with the rows of those steps alone that all of them have."""
+    steps = set.intersection(*(set(regions[SLEEPERS[0]]["step"]) for _, _, regions in runs))
+    return [(sweeps, start, {name: {column: values[np.isin(region["step"], list(steps))] for column, values in region.items()}
+                             for name, region in regions.items()}) for sweeps, start, regions in runs]  # fmt: skip
+
+
 def print_table(runs):
     """A line per run."""
     print("sweeps per subdomain | largest volume error [%] below 3, 4, any | mean coordination below 3, 4, change [%] | steps")
@@ -61,7 +68,8 @@ def print_table(runs):
         errors = [100 * regions[name]["volume_error"].max() for name in (*SLEEPERS, *regions)]
         shown = [*errors[:2], max(errors)]
         print(" ".join(f"{number:4d}" for number in sweeps), start, "|", " ".join(f"{error:7.4f}" for error in shown), "|",
-              " ".join(f"{mean:5.2f} ({change:+.1f})" for mean, change in zip(means, 100 * (means / first - 1))), "|", len(regions[SLEEPERS[0]]["time"]))  # fmt: skip
+              " ".join(f"{mean:5.2f} ({change:+.1f})" for mean, change in zip(means, 100 * (means / first - 1))), "|",
+              len(regions[SLEEPERS[0]]["time"]))  # fmt: skip
 
 
 def draw(runs, output):
@@ -88,7 +96,7 @@ def draw(runs, output):
 def main(*words):
     folders = [word for word in words if not str(word).endswith(".png")]
     runs = read_runs(folders)
-    print_table(runs)
+    print_table(in_common(runs))
     for output in set(words) - set(folders):
         draw(runs, output)
 
