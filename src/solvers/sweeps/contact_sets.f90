@@ -128,8 +128,9 @@ contains
 
     self%is_arranged = .true.
     if (self%holds_last) then
-      call refill_order(self%order(1), problem)
-      return
+      call refill_order(self%order(1), problem, self%holds_last)
+      if (self%holds_last) return
+      self%active_set%is_ordered = .false.
     end if
     if (allocated(self%order)) then
       if (size(self%order) /= self%n) deallocate (self%order)

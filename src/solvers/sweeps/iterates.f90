@@ -63,7 +63,7 @@ contains
     type(sweep_order_t), intent(in) :: order
 
     if (order%n_groups > 0) then
-      stored = run*order%n_groups
+      stored = lanes*size(order%lane_impulse, 2)*order%n_groups
     else if (order%solids%n_groups > 0) then
       stored = run*order%solids%n_rows
     else

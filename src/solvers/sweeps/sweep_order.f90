@@ -11,8 +11,10 @@ module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_random, only: random_t
-  use sg_records, only: ball_frictional, bias_place, force_length, record_length, round_frictional, solid_frictional
+  use sg_records, only: arm_frictional, ball_frictional, bias_place, force_length, impulse_length, record_length, &
+                        round_frictional, solid_frictional
   use sg_run_options, only: solver_options_t
+  use sg_sweep_arm_lanes, only: lane_length_of_arms, put_arm_lanes
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_row_biases, put_rows, solid_lanes_t
   use sg_tables, only: per_body, per_contact, tables_t
@@ -33,8 +35,9 @@ module sg_sweep_order
     logical :: has_copies = .false.
     integer(i4), allocatable :: pair(:, :)
     real(wp), allocatable :: record(:, :), impulse(:, :)
-    !> Groups of balls with friction, side by side: number of groups and size of each; slots, shape (lanes, 2, groups),
-    !! records, shape (lanes, record_length, groups), and impulses, shape (lanes, 3, groups). Lanes to spare change nothing
+    !> Groups of balls, or of contacts with arms in the plane, with friction, side by side: number of groups and size of each;
+    !! slots, shape (lanes, 2, groups), records, shape (lanes, reals of a lane, groups), and impulses, shape (lanes, components,
+    !! groups). Lanes to spare change nothing
     integer :: n_groups = 0
     integer(i4), allocatable :: group_size(:), lane_pair(:, :, :)
     real(wp), allocatable :: lane_record(:, :, :), lane_impulse(:, :, :)
@@ -84,20 +87,34 @@ contains
         call deal_all(order, problem, options%order == 'coloured')
       end if
     end select
+    if (order%n_groups > 0) then
+      call fill_lanes(order, problem, 1, 1, is_done)
+      if (.not. is_done) order%n_groups = 0
+    end if
     order%has_copies = order%n_groups + order%solids%n_groups == 0 .or. .not. looks_at_errors(options%criterion)
-    call refill_order(order, problem)
+    call fill_others(order, problem)
   end subroutine set_order
 
   !> Copy slots, records and impulses of a problem to an order that holds its contacts already, however old its copies are.
-  pure subroutine refill_order(order, problem)
+  pure subroutine refill_order(order, problem, is_done)
     type(sweep_order_t), intent(inout) :: order !! its copies are set
     type(problem_t), intent(in) :: problem !! problem to sweep
+    logical, intent(out) :: is_done !! not where a contact no longer fits beside others: the order must be set again
+
+    is_done = .true.
+    if (order%n_groups > 0) call fill_lanes(order, problem, 1, 1, is_done)
+    if (is_done) call fill_others(order, problem)
+  end subroutine refill_order
+
+  !> Copies one by one, and rows of solids.
+  pure subroutine fill_others(order, problem)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
     logical :: is_done
 
     if (order%has_copies) call fill_copies(order, problem, 1)
-    if (order%n_groups > 0) call fill_lanes(order, problem, 1, 1)
     if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, 1, is_done)
-  end subroutine refill_order
+  end subroutine fill_others
 
   !> List the marked contacts. Are they those that were dealt last?
   pure subroutine choose(order, is_wanted, is_as_before)
@@ -170,6 +187,7 @@ contains
     integer, intent(in) :: missed
     logical, intent(out) :: is_done
     integer :: first, first_group, first_solid_group
+    logical :: are_lanes
 
     first = order%n + 1
     first_group = order%n_groups + 1
@@ -177,14 +195,16 @@ contains
     is_done = order%n + missed <= size(order%contact)
     if (is_done .and. order%has_copies) is_done = order%n + missed <= size(order%pair, 2)
     if (.not. is_done) return
+    are_lanes = order%n_groups > 0
     order%serial = order%serial + 1
     order%chosen(first:first + missed - 1) = order%missed(:missed)
     order%n = order%n + missed
     call deal(order, problem, first, order%n)
+    if (.not. are_lanes) order%n_groups = 0
     if (order%has_copies) call fill_copies(order, problem, first)
-    if (order%n_groups > 0) then
+    if (are_lanes) then
       is_done = order%n_groups <= size(order%lane_pair, 3)
-      if (is_done) call fill_lanes(order, problem, first_group, first)
+      if (is_done) call fill_lanes(order, problem, first_group, first, is_done)
     end if
     if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, first_solid_group, is_done)
   end subroutine append
@@ -195,10 +215,12 @@ contains
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: wanted
     integer :: n
-    logical :: fits
+    logical :: fits, have_lanes
 
+    have_lanes = any(problem%kind == [arm_frictional, ball_frictional])
     fits = allocated(order%contact)
     if (fits) fits = size(order%contact) >= wanted .and. size(order%groups_of) == problem%n_bodies
+    if (fits) fits = allocated(order%group_size) .or. .not. have_lanes
     if (fits) return
     if (allocated(order%contact)) deallocate (order%contact, order%chosen, order%groups_of)
     n = wanted + wanted/8
@@ -207,7 +229,7 @@ contains
     call order%dealt%reserve(n)
     allocate (order%groups_of(problem%n_bodies), source=0_i8)
     if (allocated(order%group_size)) deallocate (order%group_size)
-    if (problem%kind == ball_frictional) allocate (order%group_size(n))
+    if (have_lanes) allocate (order%group_size(n))
   end subroutine make_room
 
   !> Copy slots, records and impulses one by one, from a first contact on.
@@ -294,7 +316,7 @@ contains
     select case (problem%kind)
     case (solid_frictional)
       call deal_chains(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%solids)
-    case (ball_frictional)
+    case (arm_frictional, ball_frictional)
       call deal_lanes(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%n_groups, order%group_size)
     case default
       call deal_blocks(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end))
@@ -302,21 +324,31 @@ contains
   end subroutine deal
 
   !> Put records and impulses side by side, group by group, from a first group and its first contact on.
-  pure subroutine fill_lanes(order, problem, first_group, first)
+  pure subroutine fill_lanes(order, problem, first_group, first, is_done)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: first_group, first
+    logical, intent(out) :: is_done !! false where the law of a contact has no place in lanes
+    integer :: length, n
 
+    length = merge(record_length(ball_frictional), lane_length_of_arms, problem%kind == ball_frictional)
     if (allocated(order%lane_pair)) then
-      if (size(order%lane_pair, 3) < order%n_groups) deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
+      if (size(order%lane_pair, 3) < order%n_groups .or. size(order%lane_record, 2) /= length) &
+        deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
     end if
     if (.not. allocated(order%lane_pair)) then
-      allocate (order%lane_pair(lanes, 2, order%n_groups + order%n_groups/8), &
-                order%lane_record(lanes, record_length(ball_frictional), order%n_groups + order%n_groups/8), &
-                order%lane_impulse(lanes, 3, order%n_groups + order%n_groups/8))
+      n = order%n_groups + order%n_groups/8
+      allocate (order%lane_pair(lanes, 2, n), order%lane_record(lanes, length, n), &
+                order%lane_impulse(lanes, impulse_length(problem%kind), n))
     end if
-    call copy_lanes(first_group, order%n_groups, first, order%group_size, order%contact, problem%pair, problem%record, &
-                    problem%impulse, order%lane_pair, order%lane_record, order%lane_impulse)
+    if (problem%kind == ball_frictional) then
+      is_done = .true.
+      call copy_lanes(first_group, order%n_groups, first, order%group_size, order%contact, problem%pair, problem%record, &
+                      problem%impulse, order%lane_pair, order%lane_record, order%lane_impulse)
+    else
+      call put_arm_lanes(first_group, order%n_groups, first, order%group_size, order%contact, problem%pair, problem%record, &
+                         problem%impulse, order%lane_pair, order%lane_record, order%lane_impulse, is_done)
+    end if
   end subroutine fill_lanes
 
   !> The same, in room that is there.
@@ -356,7 +388,7 @@ contains
       do g = 1, order%n_groups
         do i = 1, order%group_size(g)
           e = e + 1
-          problem%impulse(1:3, order%contact(e)) = order%lane_impulse(i, :, g)
+          problem%impulse(:, order%contact(e)) = order%lane_impulse(i, :, g)
         end do
       end do
     else if (order%solids%n_groups > 0) then
@@ -383,7 +415,7 @@ contains
     do g = 1, order%n_groups
       do i = 1, order%group_size(g)
         e = e + 1
-        order%lane_impulse(i, :, g) = problem%impulse(1:3, order%contact(e))
+        order%lane_impulse(i, :, g) = problem%impulse(:, order%contact(e))
       end do
     end do
     if (order%solids%n_groups > 0) call put_rows(problem, order%contact(:order%n), order%solids)

@@ -1,11 +1,13 @@
 !> One sweep over contacts in a chosen order, by the kernel of the problem's kind.
 module sg_sweeps
+  use, intrinsic :: iso_c_binding, only: c_int
   use sg_iterates, only: iterates_t, takes_momentum
   use sg_kinds, only: wp, i4
   use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, arm_mixed, arm_rolling, ball_frictional, ball_frictionless, &
                         round_frictional, round_frictionless, solid_bonded, solid_frictional, solid_frictionless, solid_mixed, &
                         solid_rolling
   use sg_sweep_arm, only: sweep_arm_bonded, sweep_arm_frictional, sweep_arm_frictionless
+  use sg_sweep_arm_lanes, only: sweep_arm_lanes
   use sg_sweep_ball, only: sweep_ball_frictional, sweep_ball_frictionless
   use sg_sweep_ball_lanes, only: sweep_ball_lanes
   use sg_sweep_arm_rolling, only: sweep_arm_mixed, sweep_arm_rolling
@@ -34,7 +36,7 @@ contains
     if (order%blocks%n > 0) then
       call sweep_colours(kind, order, n_bodies, relaxation, body, past)
     else if (order%n_groups > 0) then
-      call sweep_ball_lanes(order%n_groups, n_bodies, order%lane_pair, order%lane_record, relaxation, order%lane_impulse, body)
+      call sweep_groups(kind, order, 1, order%n_groups, n_bodies, relaxation, body)
     else if (.not. takes_momentum(order)) then
       call sweep_run(kind, order%n, n_bodies, order%pair, order%record, relaxation, order%impulse, body)
     else if (present(past)) then
@@ -79,10 +81,7 @@ contains
 
     sums = 0
     if (order%n_groups > 0) then
-      first = order%blocks%last_group(b - 1) + 1
-      last = order%blocks%last_group(b)
-      call sweep_ball_lanes(last - first + 1, n_bodies, order%lane_pair(:, :, first:last), order%lane_record(:, :, first:last), &
-                            relaxation, order%lane_impulse(:, :, first:last), body)
+      call sweep_groups(kind, order, order%blocks%last_group(b - 1) + 1, order%blocks%last_group(b), n_bodies, relaxation, body)
     else if (.not. takes_momentum(order)) then
       first = order%blocks%last(b - 1) + 1
       last = order%blocks%last(b)
@@ -98,6 +97,23 @@ contains
       end if
     end if
   end subroutine sweep_block
+
+  !> Sweep groups of contacts side by side.
+  pure subroutine sweep_groups(kind, order, first, last, n_bodies, relaxation, body)
+    integer, intent(in) :: kind, first, last, n_bodies
+    type(sweep_order_t), intent(inout) :: order
+    real(wp), intent(in) :: relaxation
+    real(wp), intent(inout), contiguous :: body(:, :)
+
+    associate (pair => order%lane_pair(:, :, first:last), record => order%lane_record(:, :, first:last), &
+               impulse => order%lane_impulse(:, :, first:last))
+      if (kind == ball_frictional) then
+        call sweep_ball_lanes(last - first + 1, n_bodies, pair, record, relaxation, impulse, body)
+      else
+        call sweep_arm_lanes(int(last - first + 1, c_int), pair, record, relaxation, impulse, body)
+      end if
+    end associate
+  end subroutine sweep_groups
 
   !> Sweep groups of solids side by side.
   pure subroutine sweep_solids(solids, first, last, n_bodies, relaxation, body, share, before, sums)

@@ -35,6 +35,7 @@ contains
     type(sweep_order_t) :: order
     type(solver_options_t) :: options
     logical, allocatable :: is_wanted(:), is_ordered(:)
+    logical :: is_done
     integer :: k, i, serial
 
     call make_problem(kind, random, problem)
@@ -59,7 +60,8 @@ contains
       if (kind == solid_frictional) call put_law_and_frame(problem%record(:, k))
       problem%impulse(:, k) = random%uniform(1.0_wp, 2.0_wp)
     end do
-    call refill_order(order, problem)
+    call refill_order(order, problem, is_done)
+    call tests%check(is_done, 'refilled: all contacts fit')
     back = problem
     back%impulse = -1
     call give_impulses(order, back)

@@ -12,14 +12,14 @@ module sg_group_dealing
   private
   public :: deal_blocks, deal_lanes, lanes
 
-  !> Contacts of a group that balls with friction are swept by in vector registers
+  !> Contacts of a group that balls, and shapes with arms in the plane, are swept by in vector registers where there is friction
   integer, parameter :: lanes = 8
 
-  !> Contacts of a group and of a block, for round problems and for problems with arms.
+  !> Contacts of a group and of a block, for round problems and for problems with arms; and of a block of these in lanes.
   !!
   !! Larger ones overlap more updates, smaller ones keep the spatial order better. Polygons pay for lost order: with
   !! the sizes of disks they need half as many sweeps again (doc/performance.md).
-  integer, parameter :: width_round = 8, block_round = 256, width_arm = 4, block_arm = 32
+  integer, parameter :: width_round = 8, block_round = 256, width_arm = 4, block_arm = 32, block_arm_lanes = 64
   !> The most groups that a block may open (bits of an integer)
   integer, parameter :: most_groups = 63
 
@@ -55,21 +55,22 @@ contains
     integer, intent(inout) :: n_groups !! groups so far
     integer(i4), intent(inout), contiguous :: group_size(:) !! contacts of each
     integer(i4) :: block(block_round), dealt(block_round)
-    integer :: filled(0:most_groups), next, placed, left, n, last, g
+    integer :: filled(0:most_groups), next, placed, left, n, last, g, size_of_block
     logical :: is_kept(0:most_groups)
 
+    size_of_block = merge(block_round, block_arm_lanes, is_compact(problem%kind))
     next = 1
     placed = 0
     left = 0
     do while (next <= size(chosen))
-      n = min(block_round, left + size(chosen) - next + 1)
+      n = min(size_of_block, left + size(chosen) - next + 1)
       block(left + 1:n) = chosen(next:next + n - left - 1)
       next = next + n - left
       call deal_block(block(:n), problem, lanes, groups_of, dealt(:n), filled)
       is_kept = filled == lanes
       is_kept(most_groups) = .false.
       ! Where few groups are full, as about a large ball, dealing again would not help.
-      if (next > size(chosen) .or. sum(filled, .not. is_kept) > block_round/4) is_kept = .true.
+      if (next > size(chosen) .or. sum(filled, .not. is_kept) > size_of_block/4) is_kept = .true.
       left = 0
       last = 0
       do g = 0, most_groups

@@ -1,0 +1,136 @@
+// Gauss-Seidel sweep over contacts with arms and Coulomb friction, eight side by side (interface: sweep_arm_lanes.f90).
+//
+// Records of bodies are loaded whole and transposed in registers, four at a time, which Fortran has no words for: loads number
+// by number take as long as all the rest. Vectors of four are GNU extensions that g++ and clang translate for any processor.
+// The local problem is `coulomb_step` of sweep_arm.f90; what the own impulse of a sticking contact does cancels.
+
+#pragma GCC diagnostic ignored "-Wpsabi"    // vectors are handed over within this file alone
+
+namespace {
+typedef double vec __attribute__((vector_size(32)));
+typedef double loose __attribute__((vector_size(32), aligned(8)));    // the same anywhere in memory
+typedef long long mask __attribute__((vector_size(32)));
+
+constexpr int lanes = 8, width = 4, halves = lanes / width;
+constexpr int ahead = 4;    // groups whose records are asked for before their turn
+// Places of sg_records, from zero: contacts, then bodies.
+enum { normal_x, normal_y, moment_nc, moment_tc, moment_na, moment_ta, bias_n, bias_t, w_nn, w_nt, w_tt, friction, record_length };
+enum { velocity_x, velocity_y, spin, inverse_mx, inverse_my, inverse_i, body_length };
+
+inline vec load(const double *from) { return *reinterpret_cast<const loose *>(from); }
+inline void store(vec v, double *to) { *reinterpret_cast<loose *>(to) = v; }
+
+// Ask for what is about to be read and written; nothing happens beyond the end of a list.
+inline void ask(const double *first, int reals) {
+  for (int i = 0; i < reals; i += 8) __builtin_prefetch(first + i, 1);
+}
+
+// Rows become columns.
+inline void transpose(vec &a, vec &b, vec &c, vec &d) {
+  const vec p = __builtin_shufflevector(a, b, 0, 4, 2, 6), q = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const vec r = __builtin_shufflevector(c, d, 0, 4, 2, 6), s = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(p, r, 0, 1, 4, 5);
+  b = __builtin_shufflevector(q, s, 0, 1, 4, 5);
+  c = __builtin_shufflevector(p, r, 2, 3, 6, 7);
+  d = __builtin_shufflevector(q, s, 2, 3, 6, 7);
+}
+
+// Four bodies side by side.
+struct bodies {
+  vec x, y, turn, per_mx, per_my, per_i;
+
+  // Slots count from one.
+  void fetch(const int *slot, const double *body) {
+    const double *from[width];
+    for (int i = 0; i < width; ++i) from[i] = body + static_cast<long>(body_length) * (slot[i] - 1);
+    x = load(from[0]), y = load(from[1]), turn = load(from[2]), per_mx = load(from[3]);
+    transpose(x, y, turn, per_mx);
+    vec a = load(from[0] + spin), b = load(from[1] + spin);
+    per_my = load(from[2] + spin), per_i = load(from[3] + spin);
+    transpose(a, b, per_my, per_i);
+  }
+
+  // Lanes that change nothing repeat the bodies of the first one, which is stored last.
+  void put_back(const int *slot, double *body) const {
+    vec row[width] = {x, y, turn, per_mx};
+    transpose(row[0], row[1], row[2], row[3]);
+    for (int i = width - 1; i >= 0; --i) store(row[i], body + static_cast<long>(body_length) * (slot[i] - 1));
+  }
+};
+
+// Four contacts: record and impulse lie `lanes` apart.
+struct contacts {
+  const double *record;
+  double *impulse;
+  vec u_n, u_t, q_n, r_n, r_t;
+  mask slides;
+
+  vec at(int place) const { return load(record + lanes * place); }
+
+  // Impulses of contacts that part or stick, and which ones slide.
+  void open_or_stick(const bodies &c, const bodies &a) {
+    const vec x = at(normal_x), y = at(normal_y), dx = c.x - a.x, dy = c.y - a.y, none = {};
+    u_n = x * dx + y * dy + at(moment_nc) * c.turn - at(moment_na) * a.turn + at(bias_n);
+    u_t = y * dx - x * dy + at(moment_tc) * c.turn - at(moment_ta) * a.turn + at(bias_t);
+    const vec nn = at(w_nn), nt = at(w_nt), tt = at(w_tt), old_n = load(impulse), old_t = load(impulse + lanes);
+    const vec determinant = nn * tt - nt * nt, inverse = 1.0 / determinant;
+    q_n = u_n - nn * old_n - nt * old_t;
+    const mask is_open = q_n >= none, is_regular = determinant > none;
+    r_n = old_n + (nt * u_t - tt * u_n) * inverse;
+    r_t = is_regular ? old_t + (nt * u_n - nn * u_t) * inverse : none;
+    const vec size = r_t < none ? -r_t : r_t;
+    slides = ~(is_open | (is_regular & (r_n >= none) & (size <= at(friction) * r_n)));
+    r_n = is_open ? none : r_n;
+    r_t = is_open ? none : r_t;
+  }
+
+  // Impulses of contacts that slide: to the side to which they stick, else where no impulse would take them, else to the other.
+  void slide() {
+    const vec nn = at(w_nn), nt = at(w_nt), tt = at(w_tt), none = {};
+    const vec q_t = u_t - nt * load(impulse) - tt * load(impulse + lanes);
+    const mask is_left = ((r_t < none) | ((r_t == none) & (q_t >= none)));
+    const vec along = is_left ? -at(friction) : at(friction), bend = along * nt, stiffness = nn - bend;
+    const vec one = -q_n / (nn + bend), other = -q_n / (stiffness > none ? stiffness : nn);
+    const vec slip = q_t + (nt + tt * along) * one;
+    const mask is_right = ((is_left ? -slip : slip) <= none) & (nn + bend > none);
+    r_n = slides ? (is_right ? one : other) : r_n;
+    r_t = slides ? (is_right ? along * one : -along * other) : r_t;
+  }
+
+  // Take a share of the change, and let the bodies feel it.
+  void push(double relaxation, bodies &c, bodies &a) {
+    const vec x = at(normal_x), y = at(normal_y), old_n = load(impulse), old_t = load(impulse + lanes), none = {};
+    const mask takes_part = at(friction) >= none;
+    const vec d_n = takes_part ? relaxation * (r_n - old_n) : none, d_t = takes_part ? relaxation * (r_t - old_t) : none;
+    store(old_n + d_n, impulse);
+    store(old_t + d_t, impulse + lanes);
+    const vec p_x = x * d_n + y * d_t, p_y = y * d_n - x * d_t;
+    c.x += c.per_mx * p_x, c.y += c.per_my * p_y, c.turn += c.per_i * (at(moment_nc) * d_n + at(moment_tc) * d_t);
+    a.x -= a.per_mx * p_x, a.y -= a.per_my * p_y, a.turn -= a.per_i * (at(moment_na) * d_n + at(moment_ta) * d_t);
+  }
+};
+}    // namespace
+
+extern "C" void sg_sweep_arm_groups(int n_groups, const int *pair, const double *record, double relaxation, double *impulse,
+                                   double *body) {
+  for (int g = 0; g < n_groups; ++g, pair += 2 * lanes, record += lanes * record_length, impulse += 2 * lanes) {
+    ask(record + ahead * lanes * record_length, lanes * record_length);
+    ask(impulse + ahead * 2 * lanes, 2 * lanes);
+    bodies candidate[halves], antagonist[halves];
+    contacts contact[halves];
+    mask slides = {};
+    for (int h = 0; h < halves; ++h) candidate[h].fetch(pair + width * h, body);
+    for (int h = 0; h < halves; ++h) antagonist[h].fetch(pair + lanes + width * h, body);
+    for (int h = 0; h < halves; ++h) {
+      contact[h].record = record + width * h;
+      contact[h].impulse = impulse + width * h;
+      contact[h].open_or_stick(candidate[h], antagonist[h]);
+      slides |= contact[h].slides;
+    }
+    if (slides[0] | slides[1] | slides[2] | slides[3])
+      for (int h = 0; h < halves; ++h) contact[h].slide();
+    for (int h = 0; h < halves; ++h) contact[h].push(relaxation, candidate[h], antagonist[h]);
+    for (int h = halves - 1; h >= 0; --h) candidate[h].put_back(pair + width * h, body);
+    for (int h = halves - 1; h >= 0; --h) antagonist[h].put_back(pair + lanes + width * h, body);
+  }
+}
