@@ -5,7 +5,7 @@
 module sg_contactors
   use sg_field_visitor, only: field_t, field_visitor_t, sync_never, sync_on_copy
   use sg_fields, only: fields_t
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp, i1, i4
   use sg_lists, only: room_for
   use sg_shape_kinds, only: is_round, kind_cylinder, kind_disk, kind_hollow, kind_hollow_cylinder, kind_names, kind_plane, &
                             kind_point, kind_polygon, kind_polyhedron, kind_segment, kind_sphere, n_kinds
@@ -16,10 +16,13 @@ module sg_contactors
   public :: contactors_t, kind_disk, kind_segment, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
   public :: add_disk, add_segment, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors
-  public :: edges_of, make_rows, table_all, table_vertices
+  public :: edges_of, make_rows, place_all_corners, place_corners, table_all, table_vertices
 
   !> Tables of fields: of all contactors; of each kind of shape, by its number; of the vertices of all polygons
   integer, parameter :: table_all = 0, table_vertices = n_kinds + 1
+
+  !> State of the vertices and edges of a polygon
+  integer(i1), parameter :: wait = 0_i1, are_placed = 1_i1
 
   !> All contactors of a scene
   type, extends(fields_t) :: contactors_t
@@ -68,6 +71,8 @@ module sg_contactors
     real(wp), allocatable :: polygon_turn(:, :)
     !> Polygons: path length so far (sg_path_bound) [m], shape (row)
     real(wp), allocatable :: polygon_path(:)
+    !> Polygons: are vertices and edges those of the detection configuration, or do they `wait` for `place_corners`? Shape (row)
+    integer(i1), allocatable :: polygon_placed(:)
     !> Shapes in space; nothing of it is allocated in the plane
     type(space_shapes_t) :: space
   contains
@@ -104,6 +109,7 @@ contains
       call visitor%visit(field_t('polygon_first', sync_never, first=1.0_wp), self%polygon_first)
       call visitor%visit(field_t('polygon_turn', sync_never, 2), self%polygon_turn)
       call visitor%visit(field_t('polygon_path', sync_never), self%polygon_path)
+      call visitor%visit(field_t('polygon_placed', sync_never), self%polygon_placed)
     case (table_vertices)
       call visitor%visit(field_t('polygon_vertex', sync_on_copy, 2), self%polygon_vertex)
       call visitor%visit(field_t('polygon_world', sync_never, 2), self%polygon_world)
@@ -242,27 +248,33 @@ contains
   end subroutine drop_contactors
 
   !> Put all contactors where their bodies are.
-  pure subroutine place_contactors(contactors, middle)
+  pure subroutine place_contactors(contactors, middle, corners_wait)
     type(contactors_t), intent(inout) :: contactors !! contactors to place
     real(wp), intent(in), contiguous :: middle(:, :) !! bodies' configuration, see `bodies_t`
+    logical, intent(in), optional :: corners_wait !! do vertices and edges of polygons wait for `place_corners`? By default not
+    logical :: is_late
 
     if (contactors%dimension == 3) then
       call place_in_space(contactors%n, contactors%kind, contactors%body, contactors%row, contactors%shift, middle, &
                           contactors%centre, contactors%space)
     else
       call place_in_plane(contactors, middle)
+      is_late = .false.
+      if (present(corners_wait)) is_late = corners_wait
+      if (.not. is_late) call place_all_corners(contactors)
     end if
   end subroutine place_contactors
 
-  !> The same in the plane.
+  !> The same in the plane, without vertices and edges of polygons.
   pure subroutine place_in_plane(contactors, middle)
     type(contactors_t), intent(inout) :: contactors
     real(wp), intent(in), contiguous :: middle(:, :)
     integer :: c, b, row
-    real(wp) :: cosine, sine, angle
+    real(wp) :: cosine, sine, angle, before(2)
 
     do c = 1, contactors%n
       b = contactors%body(c)
+      before = contactors%centre(:, c)
       contactors%centre(:, c) = middle(1:2, b)
       if (is_round(contactors%kind(c)) .and. .not. any(abs(contactors%shift(:, c)) > 0)) cycle
       angle = 0
@@ -277,30 +289,65 @@ contains
           contactors%segment_axis(:, row) = [cos(turn), sin(turn)]
         end associate
       case (kind_polygon)
-        call place_polygon(contactors, row, contactors%centre(:, c), cosine, sine)
+        call move_polygon(contactors, c, row, before, cosine, sine)
       end select
     end do
   end subroutine place_in_plane
 
-  !> Put the vertices of one polygon where its body is.
-  pure subroutine place_polygon(contactors, row, centre, cosine, sine)
+  !> Turn of a polygon whose centre is placed, and its path: no point moves farther than the centre and the turn of the reach.
+  pure subroutine move_polygon(contactors, c, row, before, cosine, sine)
     type(contactors_t), intent(inout) :: contactors
-    integer, intent(in) :: row
-    real(wp), intent(in) :: centre(2), cosine, sine
-    real(wp) :: place(2), square
+    integer, intent(in) :: c, row
+    real(wp), intent(in) :: before(2), cosine, sine
+    real(wp) :: way, chord
+
+    associate (centre => contactors%centre(:, c), turn => contactors%polygon_turn(:, row))
+      way = sqrt((centre(1) - before(1))**2 + (centre(2) - before(2))**2)
+      chord = sqrt((cosine - turn(1))**2 + (sine - turn(2))**2)
+      contactors%polygon_path(row) = longer_path(contactors%polygon_path(row), (way + contactors%reach(c)*chord)**2)
+      turn(1) = cosine
+      turn(2) = sine
+    end associate
+    contactors%polygon_placed(row) = wait
+  end subroutine move_polygon
+
+  !> Put vertices and edges of all polygons where their bodies are, those that wait for it.
+  pure subroutine place_all_corners(contactors)
+    type(contactors_t), intent(inout) :: contactors !! placed contactors
+    integer :: c
+
+    if (contactors%n_rows(kind_polygon) == 0) return
+    do c = 1, contactors%n
+      call place_corners(contactors, c)
+    end do
+  end subroutine place_all_corners
+
+  !> The same for one contactor, if it is a polygon.
+  pure subroutine place_corners(contactors, c)
+    type(contactors_t), intent(inout) :: contactors !! placed contactors
+    integer, intent(in) :: c !! contactor
+
+    if (contactors%kind(c) /= kind_polygon) return
+    associate (row => contactors%row(c))
+      if (contactors%polygon_placed(row) /= are_placed) call place_polygon(contactors, row, contactors%centre(:, c))
+    end associate
+  end subroutine place_corners
+
+  !> Put the vertices and edges of one polygon where its body is.
+  pure subroutine place_polygon(contactors, row, centre)
+    type(contactors_t), intent(inout) :: contactors
+    integer(i4), intent(in) :: row
+    real(wp), intent(in) :: centre(2)
     integer :: v, first, last
 
     first = contactors%polygon_first(row)
     last = contactors%polygon_first(row + 1) - 1
-    contactors%polygon_turn(:, row) = [cosine, sine]
-    square = 0
     do v = first, last
-      place = centre + turned(contactors%polygon_vertex(:, v), cosine, sine)
-      square = max(square, (place(1) - contactors%polygon_world(1, v))**2 + (place(2) - contactors%polygon_world(2, v))**2)
-      contactors%polygon_world(:, v) = place
+      contactors%polygon_world(:, v) = centre + turned(contactors%polygon_vertex(:, v), contactors%polygon_turn(1, row), &
+                                                       contactors%polygon_turn(2, row))
     end do
-    contactors%polygon_path(row) = longer_path(contactors%polygon_path(row), square)
     call edges_of(last - first + 1, contactors%polygon_world(:, first:last), contactors%polygon_edge(:, first:last))
+    contactors%polygon_placed(row) = are_placed
   end subroutine place_polygon
 
   !> Outward unit normals and lengths of the edges of a polygon; an edge without length has no normal.

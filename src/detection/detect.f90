@@ -57,7 +57,7 @@ contains
       call unwrap_images(history, scene)
       call match_pairs(history, scene, pairs)
     end if
-    call place_contactors(scene%contactors, scene%bodies%middle)
+    call place_contactors(scene%contactors, scene%bodies%middle, pairs%corners_wait)
     if (.not. allocated(pairs%alert)) allocate (pairs%alert(size(scene%sees)))
     pairs%alert(:) = alert_of(scene%sees, pairs%way)
     if (scene%cell%is_on) contacts%upwards = scene%cell%middle([4, 2])
@@ -69,7 +69,7 @@ contains
 
   !> Narrow phase over all pairs.
   subroutine touch_all(scene, pairs, history, contacts)
-    type(scene_t), intent(in) :: scene
+    type(scene_t), intent(inout) :: scene
     type(neighbours_t), intent(inout) :: pairs
     type(history_t), intent(inout) :: history
     type(contacts_t), intent(inout) :: contacts
@@ -122,7 +122,7 @@ contains
 
   !> Contacts of a pair whose circles or spheres are near: none, kept ones, or those that the narrow phase finds.
   subroutine touch_near(scene, pairs, history, p, near, contacts)
-    type(scene_t), intent(in) :: scene
+    type(scene_t), intent(inout) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p
@@ -155,7 +155,7 @@ contains
 
   !> Add the points that the narrow phase finds between two shapes in the plane.
   subroutine find_in_plane(scene, pairs, history, p, alert, path, contacts)
-    type(scene_t), intent(in) :: scene
+    type(scene_t), intent(inout) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p

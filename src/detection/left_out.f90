@@ -27,7 +27,7 @@ contains
   !! the narrow phase finds the points within that way. One that the step does not have, and whose gap at the end of the step would
   !! be negative, was left out; any other bears nothing, so the solution is that of all contacts.
   logical function has_left_out(scene, pairs, history, contacts, velocity, slot_of, turns)
-    type(scene_t), intent(in) :: scene !! scene, its contactors placed as for the detection
+    type(scene_t), intent(inout) :: scene !! scene, its contactors placed as for the detection; more corners of polygons may be
     type(neighbours_t), intent(inout) :: pairs !! list of neighbours with reduced alert distances; its motion may be set
     type(history_t), intent(inout) :: history !! pairs and contacts of the detection; what is tried first may change
     type(contacts_t), intent(in) :: contacts !! contacts of the detection
@@ -104,7 +104,7 @@ contains
 
   !> Does a solution close a point of a pair that is not among its contacts?
   logical function closes_another(scene, pairs, history, p, way, velocity_c, velocity_a, turns, known) result(closes)
-    type(scene_t), intent(in) :: scene
+    type(scene_t), intent(inout) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p

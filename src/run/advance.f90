@@ -170,6 +170,8 @@ contains
     real(wp) :: share
 
     if (sim%substep == 1) then
+      ! Corners of polygons are placed for pairs that need them, and for measures, unless more looks at them.
+      sim%pairs%corners_wait = sim%options%substeps == 1 .and. .not. sim%tunnelling%exceeds_thinnest
       call detect(sim%scene, sim%pairs, sim%history, sim%contacts)
     else
       ! Shapes are placed for what looks at them: paths through walls in every substep, measures after the last one.

@@ -5,6 +5,7 @@ module sg_after_step
   use sg_cell, only: cell_columns
   use sg_centres, only: centres_t, take_centres
   use sg_checkpoint, only: save_once
+  use sg_contactors, only: place_all_corners
   use sg_error, only: error_t
   use sg_guard, only: judge_energy
   use sg_kinds, only: wp
@@ -259,6 +260,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
+    call place_all_corners(sim%scene%contactors)
     call sim%regions%measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%decomposition%subdomain, sim%comm)
   end subroutine measure_regions
 
@@ -267,6 +269,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
+    call place_all_corners(sim%scene%contactors)
     call sim%interfaces%measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%comm)
   end subroutine measure_interfaces
 
@@ -276,6 +279,7 @@ contains
     type(error_t), allocatable, intent(out) :: error !! never set
     real(wp) :: sums(n_passage_sums)
 
+    call place_all_corners(sim%scene%contactors)
     call measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%energy, sim%writers%measures, &
                  sim%decomposition%subdomain, sim%comm, sim%means, sim%plan%body_kinds)
     associate (measures => sim%writers%measures)

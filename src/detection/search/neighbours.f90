@@ -61,6 +61,8 @@ module sg_neighbours
     logical :: is_too_short = .false.
     !> Substeps from one detection to the next
     integer :: substeps = 1
+    !> Do corners of polygons wait in a detection until a pair needs them?
+    logical :: corners_wait = .false.
     !> Are only shapes sought that touch, whatever the alert distances are?
     logical :: without_alert = .false.
     !> Rank whose contacts are sought, in a decomposed scene: each contact belongs to one rank

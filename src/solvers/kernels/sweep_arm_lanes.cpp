@@ -18,7 +18,7 @@ enum { normal_x, normal_y, moment_nc, moment_tc, moment_na, moment_ta, bias_n, b
 enum { velocity_x, velocity_y, spin, inverse_mx, inverse_my, inverse_i, body_length };
 
 inline vec load(const double *from) { return *reinterpret_cast<const loose *>(from); }
-inline void store(vec v, double *to) { *reinterpret_cast<loose *>(to) = v; }
+inline void store(const vec &v, double *to) { *reinterpret_cast<loose *>(to) = v; }
 
 // Ask for what is about to be read and written; nothing happens beyond the end of a list.
 inline void ask(const double *first, int reals) {
