@@ -3,6 +3,7 @@
 !! All rest on the natural map F_a = r_a - P_K(r_a - rho (u_a + g(u_a))) of De Saxce's form, which vanishes exactly at
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_kinds, only: wp
   use sg_law_violation, only: largest_bound, law_violation, plane_bounds
   use sg_natural_map, only: chunk, plane_squares
@@ -39,6 +40,18 @@ module sg_residuals
     !> Impulse that a bond adds [N s]
     real(wp) :: bond_n(chunk) = 0, bond_t(chunk) = 0
   end type chunk_t
+
+  interface
+    !> Data of contacts with any arms and any law, four at a time (sweep_arm_lanes.cpp).
+    pure subroutine gather_arms(n, pair, record, r, body, u_n, u_t, r_n, r_t, friction, w_nn, w_nt, w_tt, law) &
+      bind(c, name='sg_gather_arms')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: n !! a multiple of four
+      integer(c_int), intent(in) :: pair(*)
+      real(c_double), intent(in) :: record(*), r(*), body(*)
+      real(c_double), intent(inout) :: u_n(*), u_t(*), r_n(*), r_t(*), friction(*), w_nn(*), w_nt(*), w_tt(*), law(*)
+    end subroutine gather_arms
+  end interface
 
 contains
 
@@ -297,9 +310,11 @@ contains
     real(wp), intent(in) :: record(record_length(arm_frictional), n), r(2, n), body(body_length(arm_frictional), n_bodies)
     type(chunk_t), intent(inout) :: a
     real(wp) :: x, y, w_nn(chunk), w_nt(chunk), w_tt(chunk), law(chunk)
-    integer :: i
+    integer :: i, n_fours
 
-    do i = 1, n
+    n_fours = n - modulo(n, 4)
+    call gather_arms(n_fours, pair, record, r, body, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, w_nn, w_nt, w_tt, law)
+    do i = n_fours + 1, n
       associate (c => pair(1, i), d => pair(2, i))
         x = body(velocity_x, c) - body(velocity_x, d)
         y = body(velocity_y, c) - body(velocity_y, d)

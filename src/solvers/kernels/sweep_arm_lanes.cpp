@@ -1,4 +1,5 @@
-// Gauss-Seidel sweep over contacts with arms and Coulomb friction, eight side by side (interface: sweep_arm_lanes.f90).
+// Gauss-Seidel sweep over contacts with arms and Coulomb friction, eight side by side, and what puts contacts side by side
+// (interfaces: sweep_arm_lanes.f90, residuals.f90).
 //
 // Records of bodies are loaded whole and transposed in registers, four at a time, which Fortran has no words for: loads number
 // by number take as long as all the rest. Vectors of four are GNU extensions that g++ and clang translate for any processor.
@@ -12,9 +13,10 @@ typedef double loose __attribute__((vector_size(32), aligned(8)));    // the sam
 typedef long long mask __attribute__((vector_size(32)));
 
 constexpr int lanes = 8, width = 4, halves = lanes / width;
-constexpr int ahead = 4;    // groups whose records are asked for before their turn
+constexpr int ahead = 4, before_turn = 32;    // groups, and contacts one by one, by which records are asked for before their turn
 // Places of sg_records, from zero: contacts, then bodies.
-enum { normal_x, normal_y, moment_nc, moment_tc, moment_na, moment_ta, bias_n, bias_t, w_nn, w_nt, w_tt, friction, record_length };
+enum { normal_x, normal_y, moment_nc, moment_tc, moment_na, moment_ta, bias_n, bias_t, w_nn, w_nt, w_tt, friction, lane_length };
+enum { cohesion = lane_length, compliance_n, compliance_t, law, record_length };
 enum { velocity_x, velocity_y, spin, inverse_mx, inverse_my, inverse_i, body_length };
 
 inline vec load(const double *from) { return *reinterpret_cast<const loose *>(from); }
@@ -113,8 +115,8 @@ struct contacts {
 
 extern "C" void sg_sweep_arm_groups(int n_groups, const int *pair, const double *record, double relaxation, double *impulse,
                                    double *body) {
-  for (int g = 0; g < n_groups; ++g, pair += 2 * lanes, record += lanes * record_length, impulse += 2 * lanes) {
-    ask(record + ahead * lanes * record_length, lanes * record_length);
+  for (int g = 0; g < n_groups; ++g, pair += 2 * lanes, record += lanes * lane_length, impulse += 2 * lanes) {
+    ask(record + ahead * lanes * lane_length, lanes * lane_length);
     ask(impulse + ahead * 2 * lanes, 2 * lanes);
     bodies candidate[halves], antagonist[halves];
     contacts contact[halves];
@@ -132,5 +134,60 @@ extern "C" void sg_sweep_arm_groups(int n_groups, const int *pair, const double 
     for (int h = 0; h < halves; ++h) contact[h].push(relaxation, candidate[h], antagonist[h]);
     for (int h = halves - 1; h >= 0; --h) candidate[h].put_back(pair + width * h, body);
     for (int h = halves - 1; h >= 0; --h) antagonist[h].put_back(pair + lanes + width * h, body);
+  }
+}
+
+// Put eight contacts side by side; contacts count from one. Are the laws of all unilateral, with friction alone?
+extern "C" void sg_put_arm_group(const int *contact, const int *pair, const double *record, const double *impulse, int *lane_pair,
+                                 double *lane_record, double *lane_impulse, int *are_plain) {
+  const vec plain = {0, 0, 0, 1};
+  mask is_plain = {-1, -1, -1, -1};
+  for (int h = 0; h < halves; ++h, contact += width, lane_pair += width, lane_record += width, lane_impulse += width) {
+    const double *row[width];
+    for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(record_length) * (contact[i] - 1);
+    for (int place = 0; place < lane_length; place += width) {
+      vec v[width];
+      for (int i = 0; i < width; ++i) v[i] = load(row[i] + place);
+      transpose(v[0], v[1], v[2], v[3]);
+      for (int i = 0; i < width; ++i) store(v[i], lane_record + lanes * (place + i));
+    }
+    for (int i = 0; i < width; ++i) {
+      is_plain &= load(row[i] + cohesion) == plain;
+      for (int side = 0; side < 2; ++side) {
+        lane_pair[lanes * side + i] = pair[2L * (contact[i] - 1) + side];
+        lane_impulse[lanes * side + i] = impulse[2L * (contact[i] - 1) + side];
+      }
+    }
+  }
+  *are_plain = (is_plain[0] & is_plain[1] & is_plain[2] & is_plain[3]) != 0;
+}
+
+// What errors need of contacts one after the other, four at a time: relative velocities, impulses with cohesion, then friction,
+// the block and the kind of law.
+extern "C" void sg_gather_arms(int n, const int *pair, const double *record, const double *impulse, const double *body, double *u_n,
+                               double *u_t, double *r_n, double *r_t, double *mu, double *nn, double *nt, double *tt, double *kind) {
+  for (int first = 0; first < n; first += width, pair += 2 * width, impulse += 2 * width) {
+    ask(record + static_cast<long>(record_length) * (first + before_turn), width * record_length);
+    vec v[record_length];
+    for (int place = 0; place < record_length; place += width) {
+      for (int i = 0; i < width; ++i) v[place + i] = load(record + static_cast<long>(record_length) * (first + i) + place);
+      transpose(v[place], v[place + 1], v[place + 2], v[place + 3]);
+    }
+    bodies c, a;
+    const int candidates[width] = {pair[0], pair[2], pair[4], pair[6]}, antagonists[width] = {pair[1], pair[3], pair[5], pair[7]};
+    c.fetch(candidates, body);
+    a.fetch(antagonists, body);
+    const vec one = load(impulse), other = load(impulse + width), none = {};
+    const vec n_part = __builtin_shufflevector(one, other, 0, 2, 4, 6), t_part = __builtin_shufflevector(one, other, 1, 3, 5, 7);
+    const vec x = v[normal_x], y = v[normal_y], dx = c.x - a.x, dy = c.y - a.y;
+    store(x * dx + y * dy + v[moment_nc] * c.turn - v[moment_na] * a.turn + v[bias_n] + v[compliance_n] * n_part, u_n + first);
+    store(y * dx - x * dy + v[moment_tc] * c.turn - v[moment_ta] * a.turn + v[bias_t] + v[compliance_t] * t_part, u_t + first);
+    store(n_part + (v[law] > 0.5 ? v[cohesion] : none), r_n + first);
+    store(t_part, r_t + first);
+    store(v[friction], mu + first);
+    store(v[w_nn], nn + first);
+    store(v[w_nt], nt + first);
+    store(v[w_tt], tt + first);
+    store(v[law], kind + first);
   }
 }

@@ -27,6 +27,17 @@ module sg_sweep_arm_lanes
       real(c_double), intent(inout) :: impulse(*) !! impulses [N s], shape (lanes, 2, groups)
       real(c_double), intent(inout) :: body(*) !! records of bodies, whose velocities change, shape (body_length, slots)
     end subroutine sweep_arm_lanes
+
+    !> Put eight contacts side by side.
+    pure subroutine put_group(contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, are_plain) &
+      bind(c, name='sg_put_arm_group')
+      import :: c_double, c_int
+      integer(c_int), intent(in) :: contact(*), pair(*)
+      real(c_double), intent(in) :: record(*), impulse(*)
+      integer(c_int), intent(inout) :: lane_pair(*)
+      real(c_double), intent(inout) :: lane_record(*), lane_impulse(*)
+      integer(c_int), intent(out) :: are_plain
+    end subroutine put_group
   end interface
 
 contains
@@ -47,10 +58,19 @@ contains
     real(wp), intent(inout) :: lane_impulse(lanes, 2, *) !! impulses by lanes
     logical, intent(out) :: is_done !! false where the law of a contact has no place in a lane
     integer :: g, i, e, k
+    integer(c_int) :: are_plain
 
     e = first - 1
     is_done = .true.
     do g = first_group, last_group
+      if (group_size(g) == lanes) then
+        call put_group(contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), lane_record(1, 1, g), lane_impulse(1, 1, g), &
+                       are_plain)
+        if (are_plain > 0) then
+          e = e + lanes
+          cycle
+        end if
+      end if
       do i = 1, group_size(g)
         e = e + 1
         k = contact(e)
