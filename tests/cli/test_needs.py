@@ -67,9 +67,9 @@ order.contact order.chosen order.missed order.dealt order.groups_of active_set.c
 {MOMENTUM}"""
 PLANE = "contactors.segment_size contactors.segment_axis"
 SPACE = "bodies.crossings_y contactors.plane_half contactors.plane_rim contactors.plane_frame contactors.plane_world pairs.image_y contacts.image_y"
-POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world contactors.polygon_edge contactors.polygon_turn contactors.polygon_path contacts.kept history.kept history.face history.clearance"
+POLYGONS = "contactors.polygon_first contactors.polygon_vertex contactors.polygon_world contactors.polygon_edge contactors.polygon_turn contactors.polygon_path contactors.polygon_placed contacts.kept history.kept history.face history.clearance"
 ONE_BY_ONE = "order.pair order.record order.impulse nesterov.start"
-BALL_LANES = "order.group_size order.lane_pair order.lane_record order.lane_impulse nesterov.start"
+LANES = "order.group_size order.lane_pair order.lane_record order.lane_impulse nesterov.start"
 SOLID_LANES = "order.solid_last_row order.solid_row_size order.solid_pair order.solid_row"
 # Those of clusters come with the first step that takes 200 sweeps.
 LONG_SOLVES = "clusters.squares clusters.parent clusters.members clusters.excess"
@@ -83,11 +83,11 @@ LONG_SOLVES = "clusters.squares clusters.parent clusters.members clusters.excess
 SCENES = {
     "disks, no friction": (in_plane("disk", 0.0), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia contactors.disk_radius", [], 400, 450),
     "disks": (in_plane("disk", 0.3), f"{PLANE} {ONE_BY_ONE} bodies.angle bodies.inertia plan.radius contactors.disk_radius", [], 430, 530),
-    "polygons": (in_plane("polygon", 0.3), f"{PLANE} {ONE_BY_ONE} {POLYGONS} bodies.angle bodies.inertia", [], 900, 930),
+    "polygons": (in_plane("polygon", 0.3), f"{PLANE} {LANES} {POLYGONS} bodies.angle bodies.inertia", [], 900, 930),
     "spheres, no friction": (in_space("sphere", 0.0), f"{SPACE} {ONE_BY_ONE} bodies.principal contactors.sphere_radius", [], 470, 620),
     "spheres": (
         in_space("sphere", 0.3),
-        f"{SPACE} {BALL_LANES} bodies.orientation bodies.principal plan.radius contactors.sphere_radius", [], 740, 900,
+        f"{SPACE} {LANES} bodies.orientation bodies.principal plan.radius contactors.sphere_radius", [], 740, 900,
     ),
     "polyhedra": (
         in_space("polyhedron", 0.3), f"{SPACE} {SOLID_LANES} bodies.orientation bodies.principal contactors.polyhedra contactors.polyhedron_path contacts.kept history.kept history.face history.clearance", ["Qhull"],
