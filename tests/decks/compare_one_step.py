@@ -3,7 +3,7 @@
 
 usage: compare_one_step.py PROGRAM DECK SETTING=VALUE,VALUE FIRST LAST EVERY [SETTING=VALUE...]
 
-PROGRAM may be several words, such as "mpiexec -n 2 splitgrain".
+PROGRAM may be several words, such as "mpiexec -n 2 splitgrain". With program=PROGRAM,PROGRAM as SETTING two programs are compared.
 
 Whole runs differ by chance from the first rounding on; single steps from one state do not. The states are those of a run with the
 first value, after FIRST, FIRST + EVERY, ..., LAST steps. Each value takes each step twice, in turns.
@@ -24,7 +24,8 @@ def main():
     always = ["output.every=0", *others]
 
     def run(folder, *words, **settings):
-        words = [*shlex.split(program), "run", deck, "--quiet", "--force", "--output", str(folder), *words]
+        called = settings.pop("program", program)
+        words = [*shlex.split(called), "run", deck, "--quiet", "--force", "--output", str(folder), *words]
         for one in [*always, *(f"{name.replace('__', '.')}={value}" for name, value in settings.items())]:
             words += ["--set", one]
         subprocess.run(words, check=True, stderr=subprocess.DEVNULL)
