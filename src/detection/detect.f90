@@ -4,6 +4,7 @@ module sg_detect
   use sg_contactors, only: kind_polygon, kind_polyhedron, place_contactors
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_follow, only: follows
+  use sg_follow_pairs, only: are_followed, follow_pairs, most_followed
   use sg_history, only: exchange_kept, fold_images, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, &
                         unwrap_images
   use sg_internal_values, only: n_internal_of
@@ -24,6 +25,9 @@ module sg_detect
   implicit none
   private
   public :: detect, turn_link
+
+  !> Pairs from one look at the time to the next
+  integer, parameter :: pairs_per_look = 1024
 
 contains
 
@@ -75,8 +79,8 @@ contains
     type(contacts_t), intent(inout) :: contacts
     integer(i4), allocatable :: first(:)
     real(wp) :: alert
-    logical :: is_apart
-    integer :: p
+    logical :: is_apart, goes_on
+    integer :: p, last
 
     ! About half of the neighbours touch; more room is made when it is wanted.
     contacts%is_cut = .false.
@@ -86,12 +90,22 @@ contains
     allocate (first(pairs%n + 1))
     if (sum(scene%contactors%n_rows([kind_polygon, kind_polyhedron])) > 0) &
       call keep_faces(history, pairs%n_near, scene%dimension - 1)
-    do p = 1, pairs%n_near
+    goes_on = are_followed(scene, history, contacts)
+    p = 1
+    do while (p <= pairs%n_near)
       if (ends_early(pairs, contacts, p)) exit
+      if (goes_on) then
+        last = min(pairs%n_near, (p/pairs_per_look + 1)*pairs_per_look - 1)
+        call grow_contacts(contacts, contacts%n + most_followed)
+        if (contacts%is_cut) exit
+        call follow_pairs(scene, pairs, history, last, contacts, first, p)
+        if (p > last .or. contacts%n + most_followed > size(contacts%gap)) cycle
+      end if
       first(p) = int(contacts%n, i4) + 1
       ! Most pairs end here.
       call look_at_spheres(scene, pairs, p, contacts%n_kept, alert, is_apart)
       if (.not. is_apart) call touch_near(scene, pairs, history, p, alert, contacts)
+      p = p + 1
     end do
     do p = pairs%n_near + 1, pairs%n
       if (ends_early(pairs, contacts, p)) exit
@@ -114,7 +128,6 @@ contains
     type(neighbours_t), intent(inout) :: pairs
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: p
-    integer, parameter :: pairs_per_look = 1024
 
     if (pairs%deadline > 0 .and. modulo(p, pairs_per_look) == 0) pairs%is_late = wall_now() > pairs%deadline
     ends_early = contacts%is_cut .or. pairs%is_late

@@ -19,7 +19,7 @@ module sg_kept_contacts
   use sg_rotations, only: no_rotation, quaternion_product, turned_back, turned_by
   implicit none
   private
-  public :: keep_in_plane, keep_in_space, move_in_plane, move_in_space, pose_in_plane, pose_in_space
+  public :: keep_in_plane, keep_in_space, move_from, move_in_plane, move_in_space, pose_between, pose_in_plane, pose_in_space
   public :: has_moved_in_plane, has_moved_in_space, n_kept_in_plane, n_kept_in_space, n_pose_in_plane, n_pose_in_space
   public :: shorter_reach
 
@@ -35,17 +35,26 @@ contains
     integer(i4), intent(in) :: a !! antagonist
     real(wp), intent(in) :: offset(2) !! shift of the antagonist [m]
     real(wp) :: pose(n_pose_in_plane)
-    real(wp) :: own(2), other(2), x, y
+    real(wp) :: x, y
 
-    own = turn_of(contactors, c)
-    other = turn_of(contactors, a)
     x = contactors%centre(1, c) - contactors%centre(1, a) - offset(1)
     y = contactors%centre(2, c) - contactors%centre(2, a) - offset(2)
+    call pose_between(turn_of(contactors, c), turn_of(contactors, a), x, y, pose)
+  end function pose_in_plane
+
+  !> The same from the turns of both and the way from the antagonist to the candidate.
+  pure subroutine pose_between(own, other, x, y, pose)
+    real(wp), intent(in) :: own(2) !! cosine and sine of the turn of the candidate
+    real(wp), intent(in) :: other(2) !! of the antagonist
+    real(wp), intent(in) :: x !! way along x [m]
+    real(wp), intent(in) :: y !! way along y [m]
+    real(wp), intent(out) :: pose(n_pose_in_plane) !! pose of the candidate
+
     pose(1) = other(1)*x + other(2)*y
     pose(2) = other(1)*y - other(2)*x
     pose(3) = other(1)*own(1) + other(2)*own(2)
     pose(4) = other(1)*own(2) - other(2)*own(1)
-  end function pose_in_plane
+  end subroutine pose_between
 
   !> Pose of the candidate of a pair in the frame of the antagonist, in space.
   pure function pose_in_space(contactors, turn_c, turn_a, c, a, offset) result(pose)
@@ -175,20 +184,39 @@ contains
     real(wp), intent(out) :: normal(2) !! unit normal
     real(wp), intent(out) :: point(2) !! point of contact [m]
     real(wp), intent(out) :: gap !! gap [m]
-    real(wp) :: turn(2)
+
+    call move_from(turn_of(contactors, a), contactors%centre(:, a), offset, kept, pose, normal, point, gap)
+  end subroutine move_in_plane
+
+  !> The same from turn and centre of the antagonist.
+  pure subroutine move_from(turn_a, centre, offset, kept, pose, normal, point, gap)
+    real(wp), intent(in) :: turn_a(2) !! cosine and sine of the turn of the antagonist
+    real(wp), intent(in) :: centre(2) !! its centre [m]
+    real(wp), intent(in) :: offset(2) !! shift of the antagonist [m]
+    real(wp), intent(in) :: kept(n_kept_in_plane) !! the contact as it was found
+    real(wp), intent(in) :: pose(n_pose_in_plane) !! pose of the candidate now
+    real(wp), intent(out) :: normal(2) !! unit normal
+    real(wp), intent(out) :: point(2) !! point of contact [m]
+    real(wp), intent(out) :: gap !! gap [m]
+    real(wp) :: turn(2), x, y
     real(wp), parameter :: here(2) = 0, unturned(2) = [1.0_wp, 0.0_wp]
 
     ! How far the candidate has turned since, as the antagonist sees it.
-    turn = [pose(3)*kept(4) + pose(4)*kept(5), pose(4)*kept(4) - pose(3)*kept(5)]
+    turn(1) = pose(3)*kept(4) + pose(4)*kept(5)
+    turn(2) = pose(4)*kept(4) - pose(3)*kept(5)
     normal = kept(6:7)
     point = kept(8:9)
     gap = kept(10)
     call follow_in_plane(int(kept(1), i1) - 1_i1, kept(2:3), here, pose(1:2), here, turn, unturned, normal, point, gap)
-    turn = turn_of(contactors, a)
-    normal = [turn(1)*normal(1) - turn(2)*normal(2), turn(2)*normal(1) + turn(1)*normal(2)]
-    point = [turn(1)*point(1) - turn(2)*point(2) + contactors%centre(1, a) + offset(1), &
-             turn(2)*point(1) + turn(1)*point(2) + contactors%centre(2, a) + offset(2)]
-  end subroutine move_in_plane
+    x = normal(1)
+    y = normal(2)
+    normal(1) = turn_a(1)*x - turn_a(2)*y
+    normal(2) = turn_a(2)*x + turn_a(1)*y
+    x = point(1)
+    y = point(2)
+    point(1) = turn_a(1)*x - turn_a(2)*y + centre(1) + offset(1)
+    point(2) = turn_a(2)*x + turn_a(1)*y + centre(2) + offset(2)
+  end subroutine move_from
 
   !> The same in space.
   pure subroutine move_in_space(contactors, a, offset, turn_a, kept, pose, normal, point, gap)
