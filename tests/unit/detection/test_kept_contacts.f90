@@ -8,6 +8,7 @@ program test_kept_contacts
   use sg_comm, only: comm_t
   use sg_detect, only: detect
   use sg_error, only: error_t
+  use sg_follow_pairs, only: are_followed
   use sg_kinds, only: wp, pi
   use sg_random, only: random_t
   use sg_rotations, only: quaternion_product, rotation_by, turned_by
@@ -37,7 +38,7 @@ contains
     integer, intent(in) :: dimension
     logical, intent(in) :: has_wall
     type(random_t) :: random
-    type(simulation_t) :: start, kept, found
+    type(simulation_t) :: start, kept, found, general
     character(len=:), allocatable :: name
     real(wp) :: length, share, error, worst
     integer :: i, n_exact, n_kept, n_other
@@ -59,7 +60,9 @@ contains
       call move_pair(random, share*length, kept)
       call copy(kept, found)
       found%contacts%kept = 0
+      if (dimension == 2) call copy(kept, general)
       call detect(kept%scene, kept%pairs, kept%history, kept%contacts)
+      if (dimension == 2) call check_general_way(name, kept, general)
       call detect(found%scene, found%pairs, found%history, found%contacts)
       if (share > 1) then
         call t%check(is_same(kept, found), name//': detected again where it has moved too far')
@@ -83,6 +86,30 @@ contains
     call t%check(3*n_exact > n_kept, name//': many are exact')
     if (has_wall) call t%equal(n_exact, n_kept, name//': all are exact')
   end subroutine test_pairs
+
+  !> Contacts of a pair that a loop over plain arrays follows are those of the general way, which contacts go that carry values.
+  subroutine check_general_way(name, followed, general)
+    character(len=*), intent(in) :: name
+    type(simulation_t), intent(in) :: followed
+    type(simulation_t), intent(inout) :: general
+
+    general%contacts%n_carried = 1
+    if (allocated(general%contacts%carried)) deallocate (general%contacts%carried)
+    allocate (general%contacts%carried(1, size(general%contacts%gap)), source=0.0_wp)
+    call t%check(are_followed(followed%scene, followed%history, followed%contacts), name//': pairs are followed')
+    call t%check(.not. are_followed(general%scene, general%history, general%contacts), name//': the general way')
+    call detect(general%scene, general%pairs, general%history, general%contacts)
+    call t%equal(general%contacts%n, followed%contacts%n, name//': as many by the general way')
+    if (general%contacts%n /= followed%contacts%n .or. followed%contacts%n == 0) return
+    associate (n => followed%contacts%n, one => followed%contacts, other => general%contacts)
+      call t%check(all(one%feature(:n) == other%feature(:n)) .and. all(one%body(:, :n) == other%body(:, :n)) .and. &
+                   all(one%law(:n) == other%law(:n)) .and. all(one%contactor(:, :n) == other%contactor(:, :n)) .and. &
+                   all(one%status(:n) == other%status(:n)) .and. all(one%image(:n) == other%image(:n)), name//': the same contacts')
+      call t%near(maxval(abs(one%gap(:n) - other%gap(:n))) + maxval(abs(one%point(:, :n) - other%point(:, :n))) &
+                  + maxval(abs(one%normal(:, :n) - other%normal(:, :n))) + maxval(abs(one%impulse(:, :n) - other%impulse(:, :n))) &
+                  + maxval(abs(one%kept(:, :n) - other%kept(:, :n))), 0.0_wp, rounding, name//': the same places and values')
+    end associate
+  end subroutine check_general_way
 
   !> Copy what detection works on.
   subroutine copy(from, to)
