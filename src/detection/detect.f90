@@ -1,7 +1,7 @@
 !> Detection: from the configuration of a step to its contacts, with the impulses of the last step as a guess.
 module sg_detect
   use sg_add_contacts, only: add_contacts, add_kept, is_slow, keep_pair, kept_length, law_of
-  use sg_contactors, only: kind_polygon, kind_polyhedron, place_contactors
+  use sg_contactors, only: kind_polygon, kind_polyhedron, place_contactors, place_corners
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
   use sg_follow, only: follows
   use sg_follow_pairs, only: are_followed, follow_pairs, most_followed
@@ -80,7 +80,7 @@ contains
     integer(i4), allocatable :: first(:)
     real(wp) :: alert
     logical :: is_apart, goes_on
-    integer :: p, last
+    integer :: p, next, last
 
     ! About half of the neighbours touch; more room is made when it is wanted.
     contacts%is_cut = .false.
@@ -91,21 +91,24 @@ contains
     if (sum(scene%contactors%n_rows([kind_polygon, kind_polyhedron])) > 0) &
       call keep_faces(history, pairs%n_near, scene%dimension - 1)
     goes_on = are_followed(scene, history, contacts)
-    p = 1
-    do while (p <= pairs%n_near)
-      if (ends_early(pairs, contacts, p)) exit
+    next = 1
+    do while (next <= pairs%n_near .and. .not. (contacts%is_cut .or. pairs%is_late))
+      last = pairs%n_near
       if (goes_on) then
-        last = min(pairs%n_near, (p/pairs_per_look + 1)*pairs_per_look - 1)
+        last = min(pairs%n_near, (next/pairs_per_look + 1)*pairs_per_look - 1)
         call grow_contacts(contacts, contacts%n + most_followed)
-        if (contacts%is_cut) exit
-        call follow_pairs(scene, pairs, history, last, contacts, first, p)
-        if (p > last .or. contacts%n + most_followed > size(contacts%gap)) cycle
+        if (.not. contacts%is_cut) call follow_pairs(scene, pairs, history, last, contacts, first, next)
+        if (next > last .or. contacts%n + most_followed > size(contacts%gap)) cycle
+        last = next
       end if
-      first(p) = int(contacts%n, i4) + 1
-      ! Most pairs end here.
-      call look_at_spheres(scene, pairs, p, contacts%n_kept, alert, is_apart)
-      if (.not. is_apart) call touch_near(scene, pairs, history, p, alert, contacts)
-      p = p + 1
+      do p = next, last
+        if (ends_early(pairs, contacts, p)) exit
+        first(p) = int(contacts%n, i4) + 1
+        ! Most pairs end here.
+        call look_at_spheres(scene, pairs, p, contacts%n_kept, alert, is_apart)
+        if (.not. is_apart) call touch_near(scene, pairs, history, p, alert, contacts)
+      end do
+      next = last + 1
     end do
     do p = pairs%n_near + 1, pairs%n
       if (ends_early(pairs, contacts, p)) exit
@@ -157,6 +160,8 @@ contains
       end if
       n = contacts%n
       if (scene%dimension == 2) then
+        if (contactors%kind(c) == kind_polygon) call place_corners(contactors, c)
+        if (contactors%kind(a) == kind_polygon) call place_corners(contactors, a)
         call find_in_plane(scene, pairs, history, p, alert, path, contacts)
       else
         call find_in_space(scene, pairs, history, p, alert, path, contacts)
@@ -168,7 +173,7 @@ contains
 
   !> Add the points that the narrow phase finds between two shapes in the plane.
   subroutine find_in_plane(scene, pairs, history, p, alert, path, contacts)
-    type(scene_t), intent(inout) :: scene
+    type(scene_t), intent(in) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p

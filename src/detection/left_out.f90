@@ -1,6 +1,7 @@
 !> Contacts that a reduced alert distance has left out of a step, and that its solution may close (doc/theory/detection.md, "Alert
 !! distance").
 module sg_left_out
+  use sg_contactors, only: place_corners
   use sg_contacts, only: contacts_t
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
@@ -119,6 +120,8 @@ contains
 
     path = path_of_pair(scene%contactors, pairs%contactor(1, p), pairs%contactor(2, p))
     if (scene%dimension == 2) then
+      call place_corners(scene%contactors, pairs%contactor(1, p))
+      call place_corners(scene%contactors, pairs%contactor(2, p))
       call touch_in_plane(scene, pairs, history, p, way, path, touch)
       closes = any([(closes_at(touch%feature(i), touch%point(:, i), touch%normal(:, i), touch%gap(i)), i=1, touch%n)])
     else

@@ -1,6 +1,6 @@
 !> Narrow phase of one pair: points of contact of two shapes where their bodies are, with what is tried first of the pair.
 module sg_narrow_phase
-  use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, kind_sphere, place_corners
+  use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, kind_sphere
   use sg_follow, only: follows
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
@@ -21,7 +21,7 @@ contains
 
   !> Points of contact of a pair in the plane.
   subroutine touch_in_plane(scene, pairs, history, p, alert, path, touch)
-    type(scene_t), intent(inout) :: scene !! scene, its contactors placed; corners of polygons may wait until now
+    type(scene_t), intent(in) :: scene !! scene, its contactors placed, corners of polygons too
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     type(history_t), intent(inout) :: history !! the face that is tried first, and the clearance of the pair, are set
     integer, intent(in) :: p !! pair that is no link
@@ -31,8 +31,6 @@ contains
     real(wp) :: shift(2), offset(3)
 
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
-      call place_corners(contactors, c)
-      call place_corners(contactors, a)
       offset = offset_of(scene, pairs, p)
       shift = offset(:2)
       if (contactors%kind(c) == kind_polygon .and. contactors%kind(a) == kind_polygon) then
