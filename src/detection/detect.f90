@@ -92,7 +92,8 @@ contains
       call keep_faces(history, pairs%n_near, scene%dimension - 1)
     goes_on = are_followed(scene, history, contacts)
     next = 1
-    do while (next <= pairs%n_near .and. .not. (contacts%is_cut .or. pairs%is_late))
+    do while (next <= pairs%n_near)
+      if (ends_early(pairs, contacts, next)) exit
       last = pairs%n_near
       if (goes_on) then
         last = min(pairs%n_near, (next/pairs_per_look + 1)*pairs_per_look - 1)
