@@ -79,7 +79,9 @@ contains
     type(contacts_t), intent(inout) :: contacts
     integer(i4), allocatable :: first(:)
     real(wp) :: alert
-    logical :: is_apart, goes_on
+    real(wp), allocatable :: near(:), longest(:)
+    integer, allocatable :: law_of_line(:)
+    logical :: is_apart, is_near, goes_on
     integer :: p, next, last
 
     ! About half of the neighbours touch; more room is made when it is wanted.
@@ -91,6 +93,11 @@ contains
     if (sum(scene%contactors%n_rows([kind_polygon, kind_polyhedron])) > 0) &
       call keep_faces(history, pairs%n_near, scene%dimension - 1)
     goes_on = are_followed(scene, history, contacts)
+    is_near = .false.
+    near = pairs%alert
+    if (pairs%is_reduced .and. .not. pairs%is_by_pair) near = min(near, pairs%least)
+    longest = scene%sees%alert
+    law_of_line = scene%sees%law
     next = 1
     do while (next <= pairs%n_near)
       if (ends_early(pairs, contacts, next)) exit
@@ -98,7 +105,8 @@ contains
       if (goes_on) then
         last = min(pairs%n_near, (next/pairs_per_look + 1)*pairs_per_look - 1)
         call grow_contacts(contacts, contacts%n + most_followed)
-        if (.not. contacts%is_cut) call follow_pairs(scene, pairs, history, last, contacts, first, next)
+        if (.not. contacts%is_cut) call follow_pairs(scene, pairs, history, near, longest, law_of_line, last, contacts, first, &
+                                                      next, alert, is_near)
         if (next > last .or. contacts%n + most_followed > size(contacts%gap)) cycle
         last = next
       end if
@@ -106,8 +114,9 @@ contains
         if (ends_early(pairs, contacts, p)) exit
         first(p) = int(contacts%n, i4) + 1
         ! Most pairs end here.
-        call look_at_spheres(scene, pairs, p, contacts%n_kept, alert, is_apart)
-        if (.not. is_apart) call touch_near(scene, pairs, history, p, alert, contacts)
+        is_apart = .false.
+        if (.not. is_near) call look_at_spheres(scene, pairs, p, contacts%n_kept, alert, is_apart)
+        if (.not. is_apart) call touch_near(scene, pairs, history, p, alert, is_near, contacts)
       end do
       next = last + 1
     end do
@@ -138,12 +147,13 @@ contains
   end function ends_early
 
   !> Contacts of a pair whose circles or spheres are near: none, kept ones, or those that the narrow phase finds.
-  subroutine touch_near(scene, pairs, history, p, near, contacts)
+  subroutine touch_near(scene, pairs, history, p, near, is_known, contacts)
     type(scene_t), intent(inout) :: scene
     type(neighbours_t), intent(in) :: pairs
     type(history_t), intent(inout) :: history
     integer, intent(in) :: p
     real(wp), intent(in) :: near !! alert distance of the pair [m]
+    logical, intent(in) :: is_known !! is it known that it has not been found apart, and that none of its contacts is kept?
     type(contacts_t), intent(inout) :: contacts
     real(wp) :: alert, path
     integer :: n
@@ -153,9 +163,11 @@ contains
       alert = near
       if (contacts%n_kept > 0) alert = near + kept_length(scene, c, a)
       path = path_of_pair(contactors, c, a)
-      if (are_found_apart(scene, history, p, c, a, path, alert)) return
+      if (.not. is_known) then
+        if (are_found_apart(scene, history, p, c, a, path, alert)) return
+      end if
       keeps = contacts%n_kept > 0 .and. follows(contactors%kind(c))
-      if (keeps) then
+      if (keeps .and. .not. is_known) then
         call add_kept(scene, pairs, history, p, near, contacts, is_kept)
         if (is_kept) return
       end if

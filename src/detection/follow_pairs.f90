@@ -22,7 +22,8 @@ module sg_follow_pairs
 
 contains
 
-  !> Do pairs of polygons go through `follow_pairs`? Where laws keep values of contacts, and in cells, all go the general way.
+  !> Do pairs of polygons go through `follow_pairs`? Where laws keep values of contacts, in cells, and where many pairs move and
+  !! would leave the loop, all go the general way. A checkpoint holds what decides.
   pure logical function are_followed(scene, history, contacts)
     type(scene_t), intent(in) :: scene !! scene
     type(history_t), intent(in) :: history !! contacts of the last detection
@@ -32,30 +33,42 @@ contains
                    .and. contacts%n_internal == 0 .and. contacts%n_carried == 0 .and. allocated(history%kept) &
                    .and. history%n_pairs > 0 .and. .not. history%by_point
     if (are_followed) are_followed = size(history%kept, 1) == n_kept_in_plane .and. scene%contactors%n_rows(kind_polygon) > 0
+    if (are_followed) are_followed = are_mostly_kept(history%first(history%n_pairs + 1) - 1, history%kept)
   end function are_followed
 
+  !> Are at least three of four contacts kept? A sample is asked.
+  pure logical function are_mostly_kept(n, kept)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: kept(:, :)
+    integer, parameter :: every = 16
+
+    are_mostly_kept = n > 0 .and. 4*count(kept(1, 1:n:every) > 0) >= 3*((n + every - 1)/every)
+  end function are_mostly_kept
+
   !> Go on from pair to pair while they are apart or their contacts are kept, and add these.
-  subroutine follow_pairs(scene, pairs, history, last, contacts, first, p)
+  subroutine follow_pairs(scene, pairs, history, near, longest, law_of, last, contacts, first, p, alert, is_near)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     type(history_t), intent(inout) :: history !! contacts of the last detection
+    real(wp), intent(in), contiguous :: near(:) !! alert distance of each line of the see tables [m]
+    real(wp), intent(in), contiguous :: longest(:) !! longest one of each line [m]
+    integer, intent(in), contiguous :: law_of(:) !! law of each line
     integer, intent(in) :: last !! last pair of the run
     type(contacts_t), intent(inout) :: contacts !! contacts of the step so far
     integer(i4), intent(inout) :: first(:) !! first contact of each pair
     integer, intent(inout) :: p !! first pair of the run; then the first that goes the general way or has no room for its contacts,
     !! or the one after the last
-    real(wp) :: near(size(pairs%alert))
+    real(wp), intent(out) :: alert !! alert distance of that pair, where it is near [m]
+    logical, intent(out) :: is_near !! is it a pair of polygons that are near, and whose contacts are not kept?
 
-    near = pairs%alert
-    if (pairs%is_reduced .and. .not. pairs%is_by_pair) near = min(near, pairs%least)
     if (.not. allocated(history%past)) allocate (history%past(0))
     associate (shapes => scene%contactors)
-      call go_on(last, scene%period, scene%kept_motion, pairs, near, scene%sees%alert, scene%sees%law, pairs%contactor, pairs%see, &
-                 pairs%image, history%clearance, history%is_matched, history%past, history%first, history%kept, history%feature, &
+      call go_on(last, scene%period, scene%kept_motion, pairs, near, longest, law_of, pairs%contactor, pairs%see, pairs%image, &
+                  history%clearance, history%is_matched, history%past, history%first, history%kept, history%feature, &
                  history%impulse, history%status, shapes%kind, shapes%row, shapes%body, shapes%reach, shapes%centre, &
                  shapes%polygon_turn, shapes%polygon_path, contacts%n_components, size(contacts%gap), contacts%contactor, &
                  contacts%body, contacts%image, contacts%law, contacts%feature, contacts%normal, contacts%point, contacts%gap, &
-                 contacts%impulse, contacts%status, contacts%kept, contacts%n, first, p)
+                 contacts%impulse, contacts%status, contacts%kept, contacts%n, first, p, alert, is_near)
     end associate
   end subroutine follow_pairs
 
@@ -63,29 +76,27 @@ contains
   pure subroutine go_on(last, period, kept_motion, pairs, near, longest, law_of, pair, see, image, clearance, is_matched, past, &
                         first_before, kept_before, feature_before, impulse_before, status_before, kind, row, body_of, reach, &
                         centre, turn, path, n_components, room, contactor, body, image_of, law, feature, normal, point, gap, &
-                        impulse, status, kept, n, first, p)
-    integer, intent(in) :: last
-    real(wp), intent(in) :: period, kept_motion
+                        impulse, status, kept, n, first, p, alert, is_near)
+    integer, intent(in) :: last, law_of(*), n_components, room
     type(neighbours_t), intent(in) :: pairs
-    real(wp), intent(in) :: near(*), longest(*) !! alert distances by line of the see tables [m]
-    integer, intent(in) :: law_of(*)
-    integer(i4), intent(in) :: pair(2, *), see(*)
-    integer(i1), intent(in) :: image(*)
-    real(wp), intent(in) :: clearance(*)
+    real(wp), intent(in) :: period, kept_motion, near(*), longest(*), clearance(*)
     logical, intent(in) :: is_matched
-    integer(i4), intent(in) :: past(*), first_before(*), feature_before(*), kind(*), row(*), body_of(*)
-    integer, intent(in) :: n_components, room
+    integer(i4), intent(in) :: pair(2, *), see(*), past(*), first_before(*), feature_before(*), kind(*), row(*), body_of(*)
+    integer(i1), intent(in) :: image(*), status_before(*)
     real(wp), intent(in) :: kept_before(n_kept_in_plane, *), impulse_before(n_components, *)
-    integer(i1), intent(in) :: status_before(*)
     real(wp), intent(in) :: reach(*), centre(2, *), turn(2, *), path(*)
     integer(i4), intent(inout) :: contactor(2, *), body(2, *), law(*), feature(*), first(*)
     integer(i1), intent(inout) :: image_of(*), status(*)
     real(wp), intent(inout) :: normal(2, *), point(2, *), gap(*), impulse(n_components, *), kept(n_kept_in_plane, *)
     integer, intent(inout) :: n, p
-    real(wp) :: offset(2), x, y, square, alert, length, pose(n_pose_in_plane), to, farthest
+    real(wp), intent(out) :: alert
+    logical, intent(out) :: is_near
+    real(wp) :: offset(2), x, y, square, length, pose(n_pose_in_plane), to, farthest
     integer :: before, k
     integer(i4) :: c, a
 
+    is_near = .false.
+    alert = 0
     do while (p <= last)
       c = pair(1, p)
       a = pair(2, p)
@@ -110,12 +121,15 @@ contains
       end if
       before = p
       if (is_matched) before = past(p)
+      is_near = .true.
       if (before == 0) return
       k = first_before(before)
-      if (first_before(before + 1) <= k .or. n + first_before(before + 1) - k > room) return
+      if (first_before(before + 1) <= k) return
       if (.not. kept_before(1, k) > 0 .or. alert > kept_before(n_kept_in_plane, k)) return
       call pose_between(turn(:, row(c)), turn(:, row(a)), x, y, pose)
       if (has_moved_in_plane(kept_before(:, k), pose, reach(c), length)) return
+      is_near = .false.
+      if (n + first_before(before + 1) - k > room) return
       to = shorter_reach(kept_before(n_kept_in_plane, k), alert, longest(see(p)))
       farthest = to + length
       do k = first_before(before), first_before(before + 1) - 1
