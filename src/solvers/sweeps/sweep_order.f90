@@ -62,7 +62,7 @@ contains
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
     type(solver_options_t), intent(in) :: options !! order and threads; whether the criterion looks at records in their order
     type(random_t) :: random
-    logical :: is_as_before
+    logical :: is_done, is_as_before
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
     order%serial = order%serial + 1
