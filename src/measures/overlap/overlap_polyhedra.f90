@@ -4,7 +4,7 @@
 module sg_overlap_polyhedra
   use sg_kinds, only: wp
   use sg_overlap_ball, only: ball_in_faces
-  use sg_overlap_solid, only: cut, reserve_solid, solid_room_t, solid_t, solid_volume
+  use sg_overlap_solid, only: cut, cut_first, solid_room_t, solid_t, solid_volume
   use sg_polyhedron, only: polyhedron_t
   implicit none
   private
@@ -20,8 +20,11 @@ module sg_overlap_polyhedra
     !> What is left of the candidate, and room to cut it
     type(solid_t) :: solid
     type(solid_room_t) :: cuts
-    !> Of each plane its height above the candidate's centre [m], and the cosine between its normal and the direction
-    real(wp), allocatable :: height(:), facing(:)
+    !> Of each plane its height above the candidate's centre [m], and the cosine between its normal and the direction; those of the
+    !! other shape
+    real(wp), allocatable :: height(:), facing(:), other(:)
+    !> Planes that may cut
+    integer, allocatable :: plane(:)
   end type overlap_room_t
 
 contains
@@ -44,51 +47,61 @@ contains
     real(wp), intent(in) :: direction(3) !! unit vector: least work where they overlap least along it, as along a contact normal
     type(overlap_room_t), intent(inout) :: room !! room for the work
     real(wp), intent(out) :: volume !! volume shared [m3]
-    real(wp) :: shift(3)
+    real(wp) :: shift(3), own, square
 
     volume = 0
     shift = antagonist%centre + offset - candidate%centre
     if (sum(shift**2) >= (candidate%reach + antagonist%reach)**2) return
-    if (squareness(candidate, -direction) > squareness(antagonist, direction)) then
+    call make_room(room, max(candidate%n_faces, antagonist%n_faces))
+    call find_facing(candidate%n_faces, candidate%world_normal, -direction, room%other, own)
+    call find_facing(antagonist%n_faces, antagonist%world_normal, direction, room%facing, square)
+    if (own > square) then
+      room%facing(:candidate%n_faces) = room%other(:candidate%n_faces)
       call cut_by_faces(antagonist, candidate, -offset, -direction, room, volume)
     else
       call cut_by_faces(candidate, antagonist, offset, direction, room, volume)
     end if
   end subroutine measure_polyhedra
 
-  !> Largest cosine between the normals of a polyhedron and a direction.
-  pure real(wp) function squareness(shape, direction) result(cosine)
-    type(polyhedron_t), intent(in) :: shape
+  !> Cosines between normals and a direction, and the largest of them.
+  pure subroutine find_facing(n, normal, direction, facing, largest)
+    integer, intent(in) :: n !! normals
+    real(wp), intent(in), contiguous :: normal(:, :)
     real(wp), intent(in) :: direction(3)
+    real(wp), intent(inout), contiguous :: facing(:)
+    real(wp), intent(out) :: largest
     integer :: f
 
-    cosine = -1
-    do f = 1, shape%n_faces
-      associate (n => shape%world_normal(:, f))
-        cosine = max(cosine, n(1)*direction(1) + n(2)*direction(2) + n(3)*direction(3))
-      end associate
+    largest = -1
+    do f = 1, n
+      facing(f) = normal(1, f)*direction(1) + normal(2, f)*direction(2) + normal(3, f)*direction(3)
+      largest = max(largest, facing(f))
     end do
-  end function squareness
+  end subroutine find_facing
 
-  !> Volume of a polyhedron within another [m3]: arguments as in `measure_polyhedra`.
+  !> Volume of a polyhedron within another [m3]: arguments as in `measure_polyhedra`; cosines of the antagonist's faces are known.
   pure subroutine cut_by_faces(candidate, antagonist, offset, direction, room, volume)
     type(polyhedron_t), intent(in) :: candidate, antagonist
     real(wp), intent(in) :: offset(3), direction(3)
     type(overlap_room_t), intent(inout) :: room
     real(wp), intent(out) :: volume
-    real(wp) :: shift(3), top
+    real(wp) :: shift(3), v(3), top
     integer :: f, i
 
     shift = offset - candidate%centre
-    call make_room(room, antagonist%n_faces)
     do f = 1, antagonist%n_faces
-      room%height(f) = dot_product(antagonist%world_normal(:, f), &
-                                   antagonist%world_vertex(:, antagonist%face_vertex(antagonist%face_first(f))) + shift)
+      associate (n => antagonist%world_normal(:, f))
+        v = antagonist%world_vertex(:, antagonist%face_vertex(antagonist%face_first(f))) + shift
+        room%height(f) = n(1)*v(1) + n(2)*v(2) + n(3)*v(3)
+      end associate
     end do
-    top = -huge(top)
-    do i = 1, antagonist%n_vertices
-      top = max(top, dot_product(direction, antagonist%world_vertex(:, i) + shift))
-    end do
+    top = huge(top)
+    if (.not. maxval(room%facing(:antagonist%n_faces)) > across) then
+      top = -huge(top)
+      do i = 1, antagonist%n_vertices
+        top = max(top, dot_product(direction, antagonist%world_vertex(:, i) + shift))
+      end do
+    end if
     call measure_below(candidate, antagonist%n_faces, antagonist%world_normal, direction, top, room, volume)
   end subroutine cut_by_faces
 
@@ -112,7 +125,7 @@ contains
     real(wp), intent(in) :: direction(3) !! unit vector, as in `measure_polyhedra`
     type(overlap_room_t), intent(inout) :: room !! room for the work
     real(wp), intent(out) :: volume !! volume shared [m3]
-    real(wp) :: normal(3, 6), top
+    real(wp) :: normal(3, 6), top, largest
     integer :: i
 
     call make_room(room, 6)
@@ -123,6 +136,7 @@ contains
       room%height(2*i - 1:2*i) = half(i) + [1.0_wp, -1.0_wp]*dot_product(frame(:, i), centre_a - candidate%centre)
       top = top + half(i)*abs(dot_product(direction, frame(:, i)))
     end do
+    call find_facing(6, normal, direction, room%facing, largest)
     call measure_below(candidate, 6, normal, direction, top, room, volume)
   end subroutine measure_polyhedron_plane
 
@@ -151,9 +165,9 @@ contains
 
     if (allocated(room%height)) then
       if (size(room%height) >= n_planes) return
-      deallocate (room%height, room%facing)
+      deallocate (room%height, room%facing, room%other, room%plane)
     end if
-    allocate (room%height(2*n_planes), room%facing(2*n_planes))
+    allocate (room%height(2*n_planes), room%facing(2*n_planes), room%other(2*n_planes), room%plane(4*n_planes))
   end subroutine make_room
 
   !> Volume of the part of a polyhedron below planes [m3], which bound a convex shape.
@@ -168,53 +182,82 @@ contains
     real(wp), intent(in) :: top !! highest point of the convex shape along it, above the polyhedron's centre [m]
     type(overlap_room_t), intent(inout) :: room
     real(wp), intent(out) :: volume
-    integer :: f, first, turn
+    real(wp) :: middle(3), reach
+    integer :: f, first, n
 
     first = 1
-    do f = 1, n_planes
-      room%facing(f) = normal(1, f)*direction(1) + normal(2, f)*direction(2) + normal(3, f)*direction(3)
+    do f = 2, n_planes
       if (room%facing(f) > room%facing(first)) first = f
     end do
-    associate (solid => room%solid)
-      call centred_solid(shape, solid)
-      ! A plane nearly across the direction leaves such a slice itself.
-      if (room%facing(first) > across) then
-        call cut(solid, normal(:, first), room%height(first), room%cuts)
+    volume = 0
+    ! A plane nearly across the direction leaves such a slice itself.
+    if (.not. room%facing(first) > across) first = 0
+    associate (solid => room%solid, centre => shape%centre)
+      if (first > 0) then
+        call cut_first(shape%n_vertices, shape%n_faces, shape%world_vertex, centre, shape%face_first, shape%face_vertex, &
+                       normal(:, first), room%height(first), room%cuts, solid)
       else
-        call cut(solid, direction, top, room%cuts)
-        first = 0
+        call cut_first(shape%n_vertices, shape%n_faces, shape%world_vertex, centre, shape%face_first, shape%face_vertex, &
+                       direction, top, room%cuts, solid)
       end if
-      do turn = 1, 2
-        do f = 1, n_planes
-          if (f == first .or. ((room%facing(f) > 0) .neqv. turn == 1)) cycle
-          if (solid%n_faces > 0) call cut(solid, normal(:, f), room%height(f), room%cuts)
-        end do
+      if (solid%n_faces == 0) return
+      call find_ball(solid, middle, reach)
+      call list_planes(n_planes, normal, room%height, room%facing, middle, reach, first, room%plane, n)
+      do f = 1, n
+        call cut(solid, normal(:, room%plane(f)), room%height(room%plane(f)), room%cuts)
+        if (solid%n_faces == 0) return
       end do
-      volume = 0
-      if (solid%n_faces > 0) volume = solid_volume(solid)
+      volume = solid_volume(solid)
     end associate
   end subroutine measure_below
 
-  !> A placed polyhedron as a solid about its centre.
-  pure subroutine centred_solid(shape, solid)
-    type(polyhedron_t), intent(in) :: shape
-    type(solid_t), intent(inout) :: solid
-    integer :: i, corners
+  !> List the planes that may cut a ball, without the one that has: those that face the direction before the others.
+  pure subroutine list_planes(n_planes, normal, height, facing, middle, reach, first, plane, n)
+    integer, intent(in) :: n_planes
+    real(wp), intent(in) :: normal(3, n_planes), height(n_planes), facing(n_planes), middle(3), reach
+    integer, intent(in) :: first !! plane that has cut, 0 for none
+    integer, intent(inout) :: plane(2*n_planes)
+    integer, intent(out) :: n
+    integer :: f, n_behind
 
-    corners = shape%face_first(shape%n_faces + 1) - 1
-    call reserve_solid(solid, shape%n_vertices, shape%n_faces, corners)
-    solid%n_vertices = shape%n_vertices
-    solid%n_faces = shape%n_faces
-    do i = 1, shape%n_vertices
-      solid%vertex(:, i) = shape%world_vertex(:, i) - shape%centre
+    n = 0
+    n_behind = 0
+    do f = 1, n_planes
+      if (normal(1, f)*middle(1) + normal(2, f)*middle(2) + normal(3, f)*middle(3) + reach <= height(f) .or. f == first) cycle
+      if (facing(f) > 0) then
+        n = n + 1
+        plane(n) = f
+      else
+        n_behind = n_behind + 1
+        plane(n_planes + n_behind) = f
+      end if
     end do
-    do i = 1, shape%n_faces
-      solid%normal(:, i) = shape%world_normal(:, i)
-      solid%face_first(i) = shape%face_first(i)
+    do f = 1, n_behind
+      plane(n + f) = plane(n_planes + f)
     end do
-    solid%face_first(shape%n_faces + 1) = corners + 1
-    do i = 1, corners
-      solid%face_vertex(i) = shape%face_vertex(i)
+    n = n + n_behind
+  end subroutine list_planes
+
+  !> A ball about the vertices of a solid, a little larger than need be for rounding.
+  pure subroutine find_ball(solid, middle, reach)
+    type(solid_t), intent(in) :: solid
+    real(wp), intent(out) :: middle(3), reach
+    real(wp), parameter :: slack = 1 + 1e-9_wp
+    real(wp) :: low(3), high(3)
+    integer :: i
+
+    low = solid%vertex(:, 1)
+    high = low
+    do i = 2, solid%n_vertices
+      low = min(low, solid%vertex(:, i))
+      high = max(high, solid%vertex(:, i))
     end do
-  end subroutine centred_solid
+    middle = (low + high)/2
+    reach = 0
+    do i = 1, solid%n_vertices
+      reach = max(reach, (solid%vertex(1, i) - middle(1))**2 + (solid%vertex(2, i) - middle(2))**2 &
+                  + (solid%vertex(3, i) - middle(3))**2)
+    end do
+    reach = slack*sqrt(reach)
+  end subroutine find_ball
 end module sg_overlap_polyhedra

@@ -8,7 +8,7 @@ module sg_overlap_solid
   use sg_kinds, only: wp
   implicit none
   private
-  public :: solid_t, solid_room_t, box_solid, cut, reserve_solid, solid_volume
+  public :: solid_t, solid_room_t, box_solid, cut, cut_first, solid_volume
 
   !> A closed surface
   type :: solid_t
@@ -18,8 +18,9 @@ module sg_overlap_solid
     real(wp), allocatable :: vertex(:, :)
     !> Vertices of face f, counter-clockwise seen from outside: `face_vertex(face_first(f):face_first(f + 1) - 1)`
     integer, allocatable :: face_first(:), face_vertex(:)
-    !> Outward unit normals of the faces, shape (3, :), at least n_faces long
+    !> Outward unit normals of the faces, shape (3, :), at least n_faces long, where they are wanted
     real(wp), allocatable :: normal(:, :)
+    logical :: has_normals = .true.
   end type solid_t
 
   !> Room for cuts of solids, one after the other
@@ -27,14 +28,17 @@ module sg_overlap_solid
     private
     !> Vertices and corners of faces of a solid that find room
     integer :: vertices = 0, corners = 0
-    !> What is left by a cut, which then changes places with the solid
+    !> What is left by a cut, which then changes places with the solid; and the vertices of one that is cut first
     type(solid_t) :: left
+    real(wp), allocatable :: vertex(:, :)
     !> Height of each vertex above the plane, and its number after the cut, 0 above
     real(wp), allocatable :: above(:)
     integer, allocatable :: kept(:)
     !> Edges crossed, shape (2, :), the crossing that follows each on the loop of the hole, and crossings done
     integer, allocatable :: edge(:, :), after(:)
     logical, allocatable :: is_done(:)
+    !> Face before the cut that each face is part of; 0 for that of the plane
+    integer, allocatable :: origin(:)
   end type solid_room_t
 
   !> Cut a solid, with room of its own or with room that many cuts share
@@ -67,20 +71,30 @@ contains
   !> Volume of a solid [m3], about its first vertex, so that thin slivers keep their digits.
   pure real(wp) function solid_volume(solid) result(volume)
     type(solid_t), intent(in) :: solid !! any closed surface
+
+    volume = 0
+    if (solid%n_faces > 0) volume = volume_of(solid%n_faces, solid%vertex, solid%face_first, solid%face_vertex)
+  end function solid_volume
+
+  !> The same of arrays.
+  pure real(wp) function volume_of(n_faces, vertex, face_first, face_vertex) result(volume)
+    integer, intent(in) :: n_faces, face_first(*), face_vertex(*)
+    real(wp), intent(in) :: vertex(3, *)
     real(wp) :: a(3), b(3), c(3)
     integer :: f, i
 
     volume = 0
-    do f = 1, solid%n_faces
-      a = solid%vertex(:, solid%face_vertex(solid%face_first(f))) - solid%vertex(:, 1)
-      do i = solid%face_first(f) + 1, solid%face_first(f + 1) - 2
-        b = solid%vertex(:, solid%face_vertex(i)) - solid%vertex(:, 1)
-        c = solid%vertex(:, solid%face_vertex(i + 1)) - solid%vertex(:, 1)
+    do f = 1, n_faces
+      a = vertex(:, face_vertex(face_first(f))) - vertex(:, 1)
+      b = vertex(:, face_vertex(face_first(f) + 1)) - vertex(:, 1)
+      do i = face_first(f) + 2, face_first(f + 1) - 1
+        c = vertex(:, face_vertex(i)) - vertex(:, 1)
         volume = volume + (a(1)*(b(2)*c(3) - b(3)*c(2)) + a(2)*(b(3)*c(1) - b(1)*c(3)) + a(3)*(b(1)*c(2) - b(2)*c(1)))/6
+        b = c
       end do
     end do
     volume = max(0.0_wp, volume)
-  end function solid_volume
+  end function volume_of
 
   !> Keep of a solid what lies below a plane: normal.x <= height.
   pure subroutine cut_alone(solid, normal, height)
@@ -98,16 +112,10 @@ contains
     real(wp), intent(in) :: normal(3) !! unit normal to the side that is cut off
     real(wp), intent(in) :: height !! of the plane along the normal
     type(solid_room_t), intent(inout) :: room !! room for the work
-    integer :: i, n_above, n_below
+    integer :: n_above, n_below
 
-    call make_room(solid, room)
-    n_above = 0
-    n_below = 0
-    do i = 1, solid%n_vertices
-      room%above(i) = normal(1)*solid%vertex(1, i) + normal(2)*solid%vertex(2, i) + normal(3)*solid%vertex(3, i) - height
-      if (room%above(i) <= 0) n_below = n_below + 1
-      if (room%above(i) >= 0) n_above = n_above + 1
-    end do
+    call make_room(solid%n_vertices, solid%face_first(solid%n_faces + 1) - 1, room)
+    call find_heights(solid%n_vertices, solid%vertex, normal, height, room%above, n_above, n_below)
     if (n_below == solid%n_vertices) return
     if (n_above == solid%n_vertices) then
       solid%n_vertices = 0
@@ -117,19 +125,59 @@ contains
     end if
   end subroutine cut_in_room
 
-  !> Make room for a cut of a solid: no more edges are crossed than there are corners.
-  pure subroutine make_room(solid, room)
-    type(solid_t), intent(in) :: solid
-    type(solid_room_t), intent(inout) :: room
-    integer :: corners
+  !> Make of a convex shape about its centre what lies below a plane: no more of it is copied than that. It has no normals.
+  pure subroutine cut_first(n_vertices, n_faces, vertex, centre, face_first, face_vertex, normal, height, room, solid)
+    integer, intent(in) :: n_vertices, n_faces !! of the shape
+    real(wp), intent(in), contiguous :: vertex(:, :) !! its vertices [m]
+    real(wp), intent(in) :: centre(3) !! its centre [m]
+    integer, intent(in), contiguous :: face_first(:), face_vertex(:) !! its faces, as those of a solid
+    real(wp), intent(in) :: normal(3) !! unit normal to the side that is cut off
+    real(wp), intent(in) :: height !! of the plane along the normal, above the centre
+    type(solid_room_t), intent(inout) :: room !! room for the work
+    type(solid_t), intent(inout) :: solid !! what is left; without faces when that is nothing
+    integer :: i, n_above, n_below, corners
 
-    corners = solid%face_first(solid%n_faces + 1) - 1
-    if (room%corners >= corners .and. room%vertices >= solid%n_vertices) return
-    if (allocated(room%above)) deallocate (room%above, room%kept, room%edge, room%after, room%is_done)
+    solid%has_normals = .false.
+    corners = face_first(n_faces + 1) - 1
+    call make_room(n_vertices, corners, room)
+    do i = 1, n_vertices
+      room%vertex(:, i) = vertex(:, i) - centre
+    end do
+    call find_heights(n_vertices, room%vertex, normal, height, room%above, n_above, n_below)
+    call reserve_solid(solid, n_vertices + corners, n_faces + corners, 4*corners)
+    if (n_above == n_vertices .and. n_below < n_vertices) return
+    call leave_below(n_vertices, n_faces, room%vertex, face_first, face_vertex, room%above, room%kept, room%edge, room%after, &
+                     room%is_done, solid%n_vertices, solid%n_faces, solid%vertex, solid%face_first, solid%face_vertex, room%origin)
+  end subroutine cut_first
+
+  !> Heights of vertices above a plane, and how many lie on it or above, on it or below.
+  pure subroutine find_heights(n, vertex, normal, height, above, n_above, n_below)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: vertex(:, :), normal(3), height
+    real(wp), intent(inout) :: above(:)
+    integer, intent(out) :: n_above, n_below
+    integer :: i
+
+    n_above = 0
+    n_below = 0
+    do i = 1, n
+      above(i) = normal(1)*vertex(1, i) + normal(2)*vertex(2, i) + normal(3)*vertex(3, i) - height
+      if (above(i) <= 0) n_below = n_below + 1
+      if (above(i) >= 0) n_above = n_above + 1
+    end do
+  end subroutine find_heights
+
+  !> Make room for a cut of a solid: no more edges are crossed than there are corners.
+  pure subroutine make_room(n_vertices, corners, room)
+    integer, intent(in) :: n_vertices, corners !! of the solid
+    type(solid_room_t), intent(inout) :: room
+
+    if (room%corners >= corners .and. room%vertices >= n_vertices) return
+    if (allocated(room%above)) deallocate (room%above, room%kept, room%edge, room%after, room%is_done, room%vertex, room%origin)
     room%corners = 2*corners
-    room%vertices = 2*solid%n_vertices
-    allocate (room%above(room%vertices), room%kept(room%vertices))
-    allocate (room%edge(2, room%corners), room%after(room%corners), room%is_done(room%corners))
+    room%vertices = 2*n_vertices
+    allocate (room%above(room%vertices), room%kept(room%vertices), room%vertex(3, room%vertices))
+    allocate (room%edge(2, room%corners), room%after(room%corners), room%is_done(room%corners), room%origin(2*room%corners))
   end subroutine make_room
 
   !> Make room in a solid, whose values are lost, for at least so many vertices, faces and corners.
@@ -153,27 +201,69 @@ contains
     type(solid_t), intent(inout) :: solid
     real(wp), intent(in) :: normal(3) !! unit normal of the plane
     type(solid_room_t), intent(inout) :: room
-    integer :: f, n_corners, n_crossed, i
+    integer :: n_corners, f
 
     n_corners = solid%face_first(solid%n_faces + 1) - 1
     call reserve_solid(room%left, solid%n_vertices + n_corners, solid%n_faces + n_corners, 4*n_corners)
     associate (left => room%left)
-      do i = 1, solid%n_vertices
-        room%kept(i) = 0
-        if (room%above(i) > 0) cycle
-        left%n_vertices = left%n_vertices + 1
-        room%kept(i) = left%n_vertices
-        left%vertex(:, left%n_vertices) = solid%vertex(:, i)
-      end do
-      n_crossed = 0
-      left%face_first(1) = 1
-      do f = 1, solid%n_faces
-        call cut_face(solid, f, room%above, room%kept, room%edge, room%after, n_crossed, left)
-      end do
-      call close_hole(room%after(:n_crossed), left%n_vertices - n_crossed, normal, room%is_done, left)
+      left%has_normals = solid%has_normals
+      call leave_below(solid%n_vertices, solid%n_faces, solid%vertex, solid%face_first, solid%face_vertex, room%above, room%kept, &
+                       room%edge, room%after, room%is_done, left%n_vertices, left%n_faces, left%vertex, left%face_first, &
+                       left%face_vertex, room%origin)
+      if (left%has_normals) then
+        do f = 1, left%n_faces
+          if (room%origin(f) == 0) left%normal(:, f) = normal
+          if (room%origin(f) > 0) left%normal(:, f) = solid%normal(:, room%origin(f))
+        end do
+      end if
     end associate
     call exchange(solid, room%left)
   end subroutine cut_through
+
+  !> Put into arrays what of a solid lies below a plane: kept vertices, then crossings of edges; kept faces, cut ones, that of the
+  !! plane.
+  pure subroutine leave_below(n_vertices, n_faces, vertex, face_first, face_vertex, above, kept, edge, after, is_done, n_left, &
+                              n_left_faces, left_vertex, left_first, left_corner, origin)
+    integer, intent(in) :: n_vertices, n_faces, face_first(*), face_vertex(*)
+    real(wp), intent(in) :: vertex(3, *)
+    real(wp), intent(in) :: above(*) !! heights of the vertices above the plane
+    integer, intent(inout) :: kept(*), edge(2, *), after(*) !! room for the work
+    logical, intent(inout) :: is_done(*)
+    integer, intent(out) :: n_left, n_left_faces !! vertices and faces left
+    real(wp), intent(inout) :: left_vertex(3, *)
+    integer, intent(inout) :: left_first(*), left_corner(*), origin(*)
+    integer :: f, i, n, n_kept, n_crossed, first, last
+
+    n_kept = 0
+    do i = 1, n_vertices
+      kept(i) = 0
+      if (above(i) > 0) cycle
+      n_kept = n_kept + 1
+      kept(i) = n_kept
+      left_vertex(1, n_kept) = vertex(1, i)
+      left_vertex(2, n_kept) = vertex(2, i)
+      left_vertex(3, n_kept) = vertex(3, i)
+    end do
+    n = 0
+    n_crossed = 0
+    n_left_faces = 0
+    left_first(1) = 1
+    do f = 1, n_faces
+      first = face_first(f)
+      last = face_first(f + 1) - 1
+      do i = first, last
+        if (kept(face_vertex(i)) > 0) exit
+      end do
+      if (i > last) cycle
+      call cut_face(last - first + 1, face_vertex(first), vertex, above, kept, n_kept, edge, after, n_crossed, left_vertex, n, &
+                    left_corner)
+      n_left_faces = n_left_faces + 1
+      left_first(n_left_faces + 1) = n + 1
+      origin(n_left_faces) = f
+    end do
+    n_left = n_kept + n_crossed
+    call close_hole(n_crossed, after, n_kept, is_done, n_left_faces, left_first, left_corner, origin)
+  end subroutine leave_below
 
   !> Let two solids change places.
   pure subroutine exchange(a, b)
@@ -191,9 +281,11 @@ contains
     call move_alloc(a%vertex, reals)
     call move_alloc(b%vertex, a%vertex)
     call move_alloc(reals, b%vertex)
-    call move_alloc(a%normal, reals)
-    call move_alloc(b%normal, a%normal)
-    call move_alloc(reals, b%normal)
+    if (a%has_normals) then
+      call move_alloc(a%normal, reals)
+      call move_alloc(b%normal, a%normal)
+      call move_alloc(reals, b%normal)
+    end if
     call move_alloc(a%face_first, integers)
     call move_alloc(b%face_first, a%face_first)
     call move_alloc(integers, b%face_first)
@@ -203,101 +295,92 @@ contains
   end subroutine exchange
 
   !> Cut one face; where its loop leaves and comes back, the hole's loop runs from the way back to the way out.
-  pure subroutine cut_face(solid, face, above, kept, edge, after, n_crossed, left)
-    type(solid_t), intent(in) :: solid !! solid before the cut
-    integer, intent(in) :: face !! its face
-    real(wp), intent(in) :: above(:) !! heights of its vertices above the plane
-    integer, intent(in) :: kept(:) !! their numbers after the cut
-    integer, intent(inout) :: edge(:, :) !! edges crossed so far, lower vertex first
-    integer, intent(inout) :: after(:) !! the crossing that follows each on the loop of the hole
+  pure subroutine cut_face(n_loop, loop, vertex, above, kept, n_kept, edge, after, n_crossed, left_vertex, n, left_corner)
+    integer, intent(in) :: n_loop, loop(*) !! vertices of the face
+    real(wp), intent(in) :: vertex(3, *), above(*) !! vertices of the solid before the cut, and their heights above the plane
+    integer, intent(in) :: kept(*), n_kept !! their numbers after the cut, 0 above it; those that stay
+    integer, intent(inout) :: edge(2, *) !! edges crossed so far, lower vertex first
+    integer, intent(inout) :: after(*) !! the crossing that follows each on the loop of the hole
     integer, intent(inout) :: n_crossed !! how many
-    type(solid_t), intent(inout) :: left !! gets the new vertices and the cut face
-    integer :: i, first, last, from, to, crossing, n, n_kept, way_out, first_back
+    real(wp), intent(inout) :: left_vertex(3, *) !! gets new crossings
+    integer, intent(inout) :: n, left_corner(*) !! corners so far; gets those of the face
+    integer :: i, from, to, crossing, way_out, first_back
 
-    first = solid%face_first(face)
-    last = solid%face_first(face + 1) - 1
-    n_kept = 0
-    do i = first, last
-      if (kept(solid%face_vertex(i)) > 0) n_kept = n_kept + 1
-    end do
-    if (n_kept == 0) return
-    n = left%face_first(left%n_faces + 1) - 1
     way_out = 0
     first_back = 0
-    do i = first, last
-      from = solid%face_vertex(i)
+    from = loop(1)
+    do i = 1, n_loop
+      to = loop(1)
+      if (i < n_loop) to = loop(i + 1)
       if (kept(from) > 0) then
         n = n + 1
-        left%face_vertex(n) = kept(from)
+        left_corner(n) = kept(from)
       end if
-      if (n_kept == last - first + 1) cycle
-      to = solid%face_vertex(merge(first, i + 1, i == last))
-      if ((kept(from) > 0) .eqv. (kept(to) > 0)) cycle
-      call find_crossing(solid%vertex, above, from, to, edge, after, n_crossed, crossing, left)
-      n = n + 1
-      left%face_vertex(n) = left%n_vertices - n_crossed + crossing
-      if (kept(from) > 0) then
-        way_out = crossing
-      else if (way_out > 0) then
-        after(crossing) = way_out
-        way_out = 0
-      else
-        first_back = crossing
+      if ((kept(from) > 0) .neqv. (kept(to) > 0)) then
+        call find_crossing(vertex, above, min(from, to), max(from, to), edge, after, n_crossed, crossing, n_kept, left_vertex)
+        n = n + 1
+        left_corner(n) = n_kept + crossing
+        if (kept(from) > 0) then
+          way_out = crossing
+        else if (way_out > 0) then
+          after(crossing) = way_out
+          way_out = 0
+        else
+          first_back = crossing
+        end if
       end if
+      from = to
     end do
     if (first_back > 0) after(first_back) = way_out
-    left%n_faces = left%n_faces + 1
-    left%face_first(left%n_faces + 1) = n + 1
-    left%normal(:, left%n_faces) = solid%normal(:, face)
   end subroutine cut_face
 
   !> The crossing of an edge with the plane: the one made for the other face of the edge, or a new one.
-  pure subroutine find_crossing(vertex, above, from, to, edge, after, n_crossed, crossing, left)
-    real(wp), intent(in) :: vertex(:, :), above(:)
-    integer, intent(in) :: from, to
-    integer, intent(inout) :: edge(:, :), after(:), n_crossed
+  pure subroutine find_crossing(vertex, above, low, high, edge, after, n_crossed, crossing, n_kept, left_vertex)
+    real(wp), intent(in) :: vertex(3, *), above(*)
+    integer, intent(in) :: low, high, n_kept
+    integer, intent(inout) :: edge(2, *), after(*), n_crossed
     integer, intent(out) :: crossing
-    type(solid_t), intent(inout) :: left
-    integer :: low, high
+    real(wp), intent(inout) :: left_vertex(3, *)
+    real(wp) :: share
 
-    low = min(from, to)
-    high = max(from, to)
     do crossing = 1, n_crossed
       if (edge(1, crossing) == low .and. edge(2, crossing) == high) return
     end do
     n_crossed = n_crossed + 1
     crossing = n_crossed
-    edge(:, crossing) = [low, high]
+    edge(1, crossing) = low
+    edge(2, crossing) = high
     after(crossing) = 0
-    left%n_vertices = left%n_vertices + 1
-    left%vertex(:, left%n_vertices) = vertex(:, low) + above(low)/(above(low) - above(high))*(vertex(:, high) - vertex(:, low))
+    share = above(low)/(above(low) - above(high))
+    left_vertex(1, n_kept + crossing) = vertex(1, low) + share*(vertex(1, high) - vertex(1, low))
+    left_vertex(2, n_kept + crossing) = vertex(2, low) + share*(vertex(2, high) - vertex(2, low))
+    left_vertex(3, n_kept + crossing) = vertex(3, low) + share*(vertex(3, high) - vertex(3, low))
   end subroutine find_crossing
 
   !> Close the hole of a cut by faces along the loops of its crossings (one loop, unless rounding makes more).
-  pure subroutine close_hole(after, n_before, normal, is_done, left)
-    integer, intent(in) :: after(:) !! the crossing that follows each
-    integer, intent(in) :: n_before !! vertices that are no crossings
-    real(wp), intent(in) :: normal(3) !! unit normal of the plane
-    logical, intent(inout) :: is_done(:) !! room for a mark per crossing
-    type(solid_t), intent(inout) :: left !! the cut solid
+  pure subroutine close_hole(n_crossed, after, n_kept, is_done, n_left_faces, left_first, left_corner, origin)
+    integer, intent(in) :: n_crossed, after(*) !! the crossing that follows each
+    integer, intent(in) :: n_kept !! vertices that are no crossings
+    logical, intent(inout) :: is_done(*) !! room for a mark per crossing
+    integer, intent(inout) :: n_left_faces, left_first(*), left_corner(*), origin(*) !! the cut solid
     integer :: i, crossing, n
 
-    is_done(:size(after)) = .false.
-    do i = 1, size(after)
+    is_done(:n_crossed) = .false.
+    do i = 1, n_crossed
       if (is_done(i)) cycle
-      n = left%face_first(left%n_faces + 1) - 1
+      n = left_first(n_left_faces + 1) - 1
       crossing = i
       do while (.not. is_done(crossing))
         is_done(crossing) = .true.
         n = n + 1
-        left%face_vertex(n) = n_before + crossing
+        left_corner(n) = n_kept + crossing
         crossing = after(crossing)
       end do
       ! Two faces that meet along both crossings need no third between them.
-      if (n - left%face_first(left%n_faces + 1) < 2) cycle
-      left%n_faces = left%n_faces + 1
-      left%face_first(left%n_faces + 1) = n + 1
-      left%normal(:, left%n_faces) = normal
+      if (n - left_first(n_left_faces + 1) < 2) cycle
+      n_left_faces = n_left_faces + 1
+      left_first(n_left_faces + 1) = n + 1
+      origin(n_left_faces) = 0
     end do
   end subroutine close_hole
 end module sg_overlap_solid
