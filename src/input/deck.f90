@@ -13,6 +13,7 @@ module sg_deck
   use sg_keys, only: all_keys
   use sg_mesh_bodies, only: bodies_of_meshes
   use sg_options_from_deck, only: options_from_deck
+  use sg_recovery_checks, only: check_recovery
   use sg_repeat_blocks, only: repeat_blocks
   use sg_rolling_checks, only: stages_bear_moments
   use sg_run_options, only: run_options_t
@@ -146,6 +147,7 @@ contains
     call options_from_deck(deck, options, diagnostics)
     call scene_from_deck(deck, options, scene, diagnostics)
     if (diagnostics%count() > 0) return
+    call check_recovery(deck, scene, options, diagnostics)
     call tracks_from_deck(deck, scene%bodies%n + deck%absent%n, options, diagnostics)
     call fields_from_deck(deck, scene%dimension, options, diagnostics)
     call regions_from_deck(deck, scene%dimension, options, diagnostics)

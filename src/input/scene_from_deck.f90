@@ -12,7 +12,6 @@ module sg_scene_from_deck
   use sg_gravity_from_deck, only: gravity_from_deck
   use sg_interactions_from_deck, only: interactions_from_deck
   use sg_kinds, only: wp, i4
-  use sg_laws, only: forbids_overlap, law_rigid_wire, law_rod, law_wire
   use sg_laws_from_deck, only: laws_from_deck, materials_from_deck
   use sg_link_network, only: link_by_distance
   use sg_links, only: locate_links
@@ -84,7 +83,6 @@ contains
     if (has_folder) call wrap(scene)
     call passages_from_deck(deck, scene, diagnostics)
     call check_cell(deck, options, scene, diagnostics)
-    call check_recovery(deck, scene, options%recovery, diagnostics)
     call check_start(deck, scene, diagnostics)
   end subroutine scene_from_deck
 
@@ -144,25 +142,6 @@ contains
     call find_overlaps(scene, 0, deck, overlaps)
     call report_overlaps(deck, overlaps, diagnostics)
   end subroutine check_start
-
-  !> Refuse to undo overlap that laws need.
-  subroutine check_recovery(deck, scene, recovery, diagnostics)
-    type(deck_t), intent(inout) :: deck
-    type(scene_t), intent(in) :: scene
-    real(wp), intent(in) :: recovery
-    type(diagnostics_t), intent(inout) :: diagnostics
-    integer :: i
-
-    if (.not. recovery > 0 .or. .not. allocated(scene%laws)) return
-    do i = 1, size(scene%laws)
-      if (forbids_overlap(scene%laws(i))) cycle
-      ! A push keeps the lengths of these links.
-      if (any(scene%laws(i)%kind == [law_rod, law_wire, law_rigid_wire])) cycle
-      call deck%complain(diagnostics, 'overlap cannot be undone under the law "'//scene%laws(i)%name//'": it loads an elastic '// &
-                         'contact, or shapes are held together', deck%block_of('time'), 'recovery')
-      return
-    end do
-  end subroutine check_recovery
 
   !> Put the grains of a periodic scene within the period, as LMGC90 does when it starts.
   subroutine wrap(scene)

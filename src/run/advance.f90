@@ -23,7 +23,7 @@ module sg_advance
   use sg_passages, only: time_slack
   use sg_penetration, only: deepest_penetration
   use sg_plan, only: set_radii
-  use sg_recovery, only: is_push_due, recover
+  use sg_recovery, only: recover
   use sg_relative_epsilon, only: set_relative_epsilon
   use sg_relax_cell, only: begin_cell
   use sg_report, only: add_effort, add_substep, report_t
@@ -74,8 +74,8 @@ contains
   pure logical function can_look_again(sim)
     type(simulation_t), intent(in) :: sim
 
-    can_look_again = .not. sim%history%is_start .and. .not. is_push_due(sim, sim%step + 1) .and. .not. sim%plan%has_bonds .and. &
-                     .not. sim%scene%cell%is_on .and. sim%scene%bodies%n_carried == 0 .and. sim%contacts%n_carried == 0
+    can_look_again = .not. sim%history%is_start .and. .not. sim%plan%has_bonds .and. .not. sim%scene%cell%is_on .and. &
+                     sim%scene%bodies%n_carried == 0 .and. sim%contacts%n_carried == 0
     if (can_look_again .and. sim%options%substeps > 1) can_look_again = laws_look_at_gaps(sim%scene)
   end function can_look_again
 
@@ -255,7 +255,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
-    call recover(sim, error)
+    call recover(sim)
   end subroutine push_bodies
 
   !> Velocities at the end of the substep and impulses of the contacts, from the problem solved.

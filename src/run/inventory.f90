@@ -46,7 +46,6 @@ contains
     call list_history(sim%history, tables)
     call list_problem('problem', sim%problem, tables)
     call sim%solver%list_tables(tables)
-    call list_problem('push', sim%push, tables)
     if (allocated(sim%pusher)) call sim%pusher%list_tables(tables)
     call tables%begin('solver', per_body)
     call tables%note('carried_body', sim%solver%carried_body)

@@ -20,6 +20,7 @@ module sg_simulation
   use sg_tunnelling, only: tunnelling_t
   use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t
+  use sg_pusher, only: pusher_t
   use sg_records, only: force_length
   use sg_regions, only: regions_t
   use sg_report, only: coupled_effort_t, report_t
@@ -56,9 +57,8 @@ module sg_simulation
     !> The contact problem of the step, its solver, and the report of the last solve
     type(problem_t) :: problem
     class(solver_t), allocatable :: solver
-    !> The problem of a push that undoes overlap, and its solver, made by the first push
-    type(problem_t) :: push
-    class(solver_t), allocatable :: pusher
+    !> Solver of pushes that undo overlap, made by the first one
+    type(pusher_t), allocatable :: pusher
     type(report_t) :: report
     !> Report of the substeps of the present step that are done
     type(report_t) :: so_far

@@ -74,6 +74,9 @@ SOLID_LANES = "order.solid_last_row order.solid_row_size order.solid_pair order.
 # Those of clusters come with the first step that takes 200 sweeps.
 LONG_SOLVES = "clusters.squares clusters.parent clusters.members clusters.excess"
 
+# Those of pushes come with the first overlap that is undone.
+PUSHES = "push.pair push.row push.impulse push.least push.body push.before push.past"
+
 # Scene: deck, tables beside those of all, libraries, and upper bounds of bytes per grain and per contact. A grain and a contact of the
 # plane take least; turning bodies have angles and a third velocity, in space quaternions and spins, and where nothing turns there
 # are orientations if the deck turns a body, as it does sides of a container in the plane; polygons and polyhedra
@@ -141,6 +144,16 @@ class Needs(ProgramCase):
                     self.assertLess(other, AT_REST + PER_POLYHEDRON * GRAINS * ("polyhedra" in name))
                 self.assertGreater(needs["contacts_compared"], 0)
                 self.assertGreater(needs["solver_over_kernel"], 0)
+
+    def test_pushes_hold_their_rows_and_nothing_else(self):
+        """A run that undoes overlap holds the problem of a push beside the rest."""
+        deck, tables, *_ = SCENES["disks"]
+        needs = self.needs(deck, "--set", "time.recovery=1e-6")
+        held = {table for table, bytes_held in needs.items() if "." in table and bytes_held > 0}
+        self.assertEqual(held - set(LONG_SOLVES.split()), set(f"{ALWAYS} {tables} {PUSHES}".split()))
+        rows = sum(needs[table] for table in ("push.pair", "push.row", "push.impulse", "push.least", "push.before"))
+        # 8 bytes of slots, ten reals, an impulse, the least and that of the sweep before: 112 for each row, of twice as many at most.
+        self.assertLess(rows, 2 * 112 * needs["contacts"] + 4000)
 
     def test_plain_sweeps_hold_nothing_for_momentum(self):
         needs = self.needs(in_plane("disk", 0.3), "--set", "solver.method=nlgs")
