@@ -144,7 +144,7 @@ contains
     last = first - 1
     if (.not. self%has_round) return
     do while (last < min(n, first + chunk - 1))
-      if (self%is_round(last + 1) == 0) exit
+      if (self%is_round(last + 1) == 0_i1) exit
       last = last + 1
     end do
   end function last_of_round
