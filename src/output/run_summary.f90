@@ -33,6 +33,8 @@ module sg_run_summary
     !> Splits made, and bodies that changed owner in all of them
     integer :: splits = 0
     real(wp) :: moved = 0
+    !> Most contacts of a rank over the mean, before and after a split: mean over all splits but the first
+    real(wp) :: imbalance_at_splits(2) = 1
     !> Of all solves: gluings, iterations of the interface, interface systems without convergence; of all subdomains together,
     !! factorisations of their matrices, and those that failed
     integer(i8) :: solves = 0, gluings = 0, iterations = 0, failed_systems = 0, factorisations = 0, failed_factors = 0
@@ -386,6 +388,10 @@ contains
     call json%add('gluing', known(shared%gluing, ''))
     call json%add('splits', shared%splits)
     call json%add('moved_bodies', shared%moved)
+    if (shared%splits > 1) then
+      call json%add('imbalance_before_splits', shared%imbalance_at_splits(1))
+      call json%add('imbalance_after_splits', shared%imbalance_at_splits(2))
+    end if
     call json%add('gluings', shared%gluings)
     call json%add('interface_iterations', shared%iterations)
     call json%add('factorisations', shared%factorisations)

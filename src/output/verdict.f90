@@ -175,7 +175,11 @@ contains
     words = ''
     associate (shared => summary%shared)
       if (allocated(shared%split)) words = shared%split
-      words = words//', '//counted(shared%splits, 'split')//', '//to_text(nint(shared%moved, i8))//' bodies moved; '// &
+      words = words//', '//counted(shared%splits, 'split')//', '//to_text(nint(shared%moved, i8))//' bodies moved'
+      associate (at => shared%imbalance_at_splits)
+        if (shared%splits > 1) words = words//' (imbalance of contacts '//fixed(at(1), 2)//' before, '//fixed(at(2), 2)//' after)'
+      end associate
+      words = words//'; '// &
               'contact updates '//to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))// &
               ' per '//trim(unit_word(summary))//', imbalance '//fixed(shared%imbalance, 2)
     end associate

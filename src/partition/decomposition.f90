@@ -189,7 +189,7 @@ contains
     integer(i4), allocatable :: owner(:), former(:)
     type(parcel_t) :: migrating
     type(carried_copies_t) :: carried
-    real(wp) :: skin
+    real(wp) :: skin, before
     logical :: is_split
 
     is_rebuilt = .false.
@@ -205,6 +205,7 @@ contains
     if (.not. is_rebuilt) return
     call self%margin%choose(scene, skin, comm)
     call carried%take(scene%bodies)
+    before = self%imbalance
     if (is_split) then
       call new_owners(self, scene, contacts, comm, owner, error)
       if (allocated(error)) return
@@ -221,6 +222,7 @@ contains
       if (is_split) call unpack_contacts(migrating, scene, contacts)
       if (.not. is_split) call renumber_contacts(contacts, former, scene)
       call resume_history(history, contacts)
+      if (is_split) self%subdomain%imbalance_sums = self%subdomain%imbalance_sums + [before, imbalance(comm, real(contacts%n, wp))]
     end if
     call self%margin%start(scene)
     self%is_first = .false.

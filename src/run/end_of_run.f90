@@ -3,6 +3,7 @@ module sg_end_of_run
   use, intrinsic :: iso_fortran_env, only: output_unit
   use sg_after_step, only: measure_now
   use sg_error, only: error_t, exit_not_converged, exit_stopped
+  use sg_kinds, only: wp
   use sg_moments_of_run, only: moment_t
   use sg_print, only: print_line
   use sg_run_summary, only: run_done, run_failed, run_not_converged, run_stopped
@@ -108,6 +109,7 @@ contains
       shared%gluing = trim(sim%options%partition%gluing)
       shared%splits = subdomain%splits
       shared%moved = subdomain%moved
+      shared%imbalance_at_splits = subdomain%imbalance_sums/real(max(1, subdomain%splits - 1), wp)
       call shared%collect(sim%comm, sim%effort, sim%gluing_traffic%messages, sim%gluing_traffic%bytes)
     end associate
     associate (summary => sim%writers%summary)

@@ -9,6 +9,33 @@ from ranks_case import FALL, Ranks
 CRITERIA = ("e1", "e2", "e8", "violation", "estimate", "quad", "maxm", "qm16")
 BRICKS = Path(__file__).resolve().parents[2] / "input_decks" / "brick_wall.toml"
 OWN_COLUMN = ("e1", "e2", "e8", "violation")
+# Two boxes of as many grains: those of the left one lie, those of the right one still fall
+HALF = """[time]
+step = 1e-3
+steps = 60
+[[material]]
+name = "stone"
+density = 2500.0
+[[law]]
+friction = 0.3
+[[wall]]
+from = [0.0, -0.01]
+to = [2.0, -0.01]
+thickness = 0.02
+[[sample]]
+kind = "lattice"
+box = [0.0, 0.0, 1.0, 0.4]
+radius = [0.02, 0.02]
+[[sample]]
+kind = "random"
+box = [1.0, 2.0, 2.0, 6.0]
+radius = [0.02, 0.02]
+count = 250
+seed = 3
+[partition]
+boxes = [2, 1]
+every = 20
+"""
 
 
 class Verdicts(Ranks):
@@ -41,3 +68,20 @@ class Verdicts(Ranks):
                 self.run_ranks(4, BRICKS, "--force", "--set", "partition.gluing=momentum", "--set", f"solver.method={method}",
                                "--set", "time.steps=30", "--set", "output.every=0")  # fmt: skip
                 self.assertEqual(self.run_json()["unconverged_steps"], 0)
+
+    def test_imbalance_at_splits(self):
+        """Splits deal contacts more evenly than they found them: on subdomains of one process as on ranks, bit for bit."""
+        found = []
+        for ranks, parts in ((1, 2), (2, 0)):
+            words = ["--set", f"partition.parts={parts}"] if parts else []
+            self.run_ranks(ranks, self.deck(HALF), *words)
+            run = self.run_json()
+            self.assertGreater(run["splits"], 1)
+            self.assertLess(run["imbalance_after_splits"], run["imbalance_before_splits"])
+            self.assertLessEqual(1.0, run["imbalance_after_splits"])
+            self.assertLessEqual(run["imbalance_before_splits"], 2.0)
+            found.append([run[name] for name in ("splits", "imbalance_before_splits", "imbalance_after_splits")])
+        self.assertEqual(*found)
+        self.run_ranks(1, self.deck(HALF), "--set", "partition.parts=2", "--set", "partition.every=0",
+                       "--set", "partition.imbalance=100")  # fmt: skip
+        self.assertNotIn("imbalance_after_splits", self.run_json())
