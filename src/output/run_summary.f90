@@ -33,7 +33,7 @@ module sg_run_summary
     !> Splits made, and bodies that changed owner in all of them
     integer :: splits = 0
     real(wp) :: moved = 0
-    !> Most contacts of a rank over the mean, before and after a split: mean over all splits but the first
+    !> Largest load of a rank over the mean one, before and after a split: mean over all splits but the first
     real(wp) :: imbalance_at_splits(2) = 1
     !> Of all solves: gluings, iterations of the interface, interface systems without convergence; of all subdomains together,
     !! factorisations of their matrices, and those that failed

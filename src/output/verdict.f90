@@ -177,7 +177,7 @@ contains
       if (allocated(shared%split)) words = shared%split
       words = words//', '//counted(shared%splits, 'split')//', '//to_text(nint(shared%moved, i8))//' bodies moved'
       associate (at => shared%imbalance_at_splits)
-        if (shared%splits > 1) words = words//' (imbalance of contacts '//fixed(at(1), 2)//' before, '//fixed(at(2), 2)//' after)'
+        if (shared%splits > 1) words = words//' (imbalance of loads '//fixed(at(1), 2)//' before, '//fixed(at(2), 2)//' after)'
       end associate
       words = words//'; '// &
               'contact updates '//to_text(nint(shared%least_updates, i8))//' to '//to_text(nint(shared%most_updates, i8))// &

@@ -16,7 +16,7 @@ module sg_decomposition
   use sg_history, only: history_t, resume_history, start_history
   use sg_kinds, only: wp, i4, i8
   use sg_list_margins, only: fitting_skin, neighbours_are_stale
-  use sg_load, only: imbalance
+  use sg_load, only: imbalance, own_load
   use sg_local_numbers, only: local_contactor
   use sg_migrate, only: migrate
   use sg_neighbours, only: neighbours_t
@@ -198,7 +198,7 @@ contains
     if (.not. comm%any(self%is_first .or. must_split(self) .or. neighbours_are_stale(pairs, scene))) return
     skin = common_skin(scene, pairs%substeps, comm)
     call forget_pairs(pairs, skin)
-    if (.not. self%is_first) self%imbalance = imbalance(comm, real(contacts%n, wp))
+    if (.not. self%is_first) self%imbalance = imbalance(comm, own_load(contacts, scene%bodies%is_grain, scene%bodies%n_own))
     is_split = must_split(self)
     is_rebuilt = self%is_first .or. is_split
     if (.not. is_rebuilt) is_rebuilt = .not. self%margin%holds(scene, skin, comm)
@@ -222,11 +222,24 @@ contains
       if (is_split) call unpack_contacts(migrating, scene, contacts)
       if (.not. is_split) call renumber_contacts(contacts, former, scene)
       call resume_history(history, contacts)
-      if (is_split) self%subdomain%imbalance_sums = self%subdomain%imbalance_sums + [before, imbalance(comm, real(contacts%n, wp))]
+      if (is_split) call note_split(self, scene, contacts, before, comm)
     end if
     call self%margin%start(scene)
     self%is_first = .false.
   end subroutine decomposition_update
+
+  !> Note how evenly ranks were loaded before a split, and are after it. Collective.
+  subroutine note_split(self, scene, contacts, before, comm)
+    class(decomposition_t), intent(inout) :: self
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in) :: before
+    type(comm_t), intent(inout) :: comm
+    real(wp) :: after
+
+    after = imbalance(comm, own_load(contacts, scene%bodies%is_grain, scene%bodies%n_own))
+    self%subdomain%imbalance_sums = self%subdomain%imbalance_sums + [before, after]
+  end subroutine note_split
 
   !> Is a new split due: by its age, by the loads found last, or because there had been no graph to split yet? The same on all
   !! ranks.

@@ -27,7 +27,7 @@ module sg_subdomain
     !> Times that these lists were made; splits made since the start, and bodies that changed owner in all of them
     integer :: serial = 0, splits = 0
     real(wp) :: moved = 0
-    !> Largest number of contacts of a rank over the mean one, before and after a split, summed over the splits after the first
+    !> Largest load of a rank over the mean one, before and after a split, summed over the splits after the first
     real(wp) :: imbalance_sums(2) = 0
   contains
     procedure :: by_slot => subdomain_by_slot

@@ -8,7 +8,7 @@ module sg_load
   use sg_kinds, only: wp
   implicit none
   private
-  public :: measured_weights, imbalance
+  public :: imbalance, measured_weights, own_load
 
 contains
 
@@ -38,6 +38,15 @@ contains
       end associate
     end do
   end function measured_weights
+
+  !> Load of a rank [half contacts]: the sum of `measured_weights` of its contacts.
+  pure real(wp) function own_load(contacts, is_grain, n_own) result(load)
+    type(contacts_t), intent(in) :: contacts !! its contacts of a step
+    logical, intent(in) :: is_grain(:) !! is a body a grain?, shape (bodies)
+    integer, intent(in) :: n_own !! bodies that this rank counts as its own: the first ones
+
+    load = sum(measured_weights(contacts, is_grain, n_own))
+  end function own_load
 
   !> Largest load of a rank over the mean one; 1 where there is nothing to do. Collective.
   real(wp) function imbalance(comm, load)

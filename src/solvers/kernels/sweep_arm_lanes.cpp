@@ -37,6 +37,12 @@ inline void transpose(vec &a, vec &b, vec &c, vec &d) {
   d = __builtin_shufflevector(q, s, 2, 3, 6, 7);
 }
 
+// Divisors of lanes that are left out anyway are one: debug builds end a run that divides by zero.
+inline vec divisor(const vec &v) {
+  const vec none = {}, one = none + 1.0;
+  return v > none ? v : one;
+}
+
 // Four bodies side by side.
 struct bodies {
   vec x, y, turn, per_mx, per_my, per_i;
@@ -75,7 +81,7 @@ struct contacts {
     u_n = x * dx + y * dy + at(moment_nc) * c.turn - at(moment_na) * a.turn + at(bias_n);
     u_t = y * dx - x * dy + at(moment_tc) * c.turn - at(moment_ta) * a.turn + at(bias_t);
     const vec nn = at(w_nn), nt = at(w_nt), tt = at(w_tt), old_n = load(impulse), old_t = load(impulse + lanes);
-    const vec determinant = nn * tt - nt * nt, inverse = 1.0 / determinant;
+    const vec determinant = nn * tt - nt * nt, inverse = 1.0 / divisor(determinant);
     q_n = u_n - nn * old_n - nt * old_t;
     const mask is_open = q_n >= none, is_regular = determinant > none;
     r_n = old_n + (nt * u_t - tt * u_n) * inverse;
@@ -92,7 +98,7 @@ struct contacts {
     const vec q_t = u_t - nt * load(impulse) - tt * load(impulse + lanes);
     const mask is_left = ((r_t < none) | ((r_t == none) & (q_t >= none)));
     const vec along = is_left ? -at(friction) : at(friction), bend = along * nt, stiffness = nn - bend;
-    const vec one = -q_n / (nn + bend), other = -q_n / (stiffness > none ? stiffness : nn);
+    const vec one = -q_n / divisor(nn + bend), other = -q_n / divisor(stiffness > none ? stiffness : nn);
     const vec slip = q_t + (nt + tt * along) * one;
     const mask is_right = ((is_left ? -slip : slip) <= none) & (nn + bend > none);
     r_n = slides ? (is_right ? one : other) : r_n;
