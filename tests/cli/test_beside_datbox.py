@@ -58,10 +58,11 @@ class BesideDatbox(ProgramCase):
         return [{name: float(value) for name, value in row.items() if name not in ("body", "step")}
                 for row in self.rows(output, "tracks.csv") if row["body"] == body]  # fmt: skip
 
-    def same_tracks(self, ours, theirs, body, other=None, delta=EXACT):
+    def same_tracks(self, ours, theirs, body, other=None, delta=EXACT, but=()):
         for one, two in zip(self.track(body, ours), self.track(other or body, theirs), strict=True):
             for name, value in one.items():
-                self.assertAlmostEqual(value, two[name], delta=delta * max(1.0, abs(value)), msg=(body, name))
+                if name not in but:
+                    self.assertAlmostEqual(value, two[name], delta=delta * max(1.0, abs(value)), msg=(body, name))
 
     def on_several_ranks(self, ranks, text, bodies):
         """The deck on several ranks: the motion is that on one."""
@@ -235,7 +236,8 @@ class BesideDatbox(ProgramCase):
         self.run_deck(text)
         self.assertAlmostEqual(float(self.rows()[0]["time"]), 0.11, delta=EXACT)
         for body in ("1", "2"):
-            self.same_tracks("alone", "out", body)
+            # Tiles side by side push each other by rounding, or not at all: those points count as contacts or do not.
+            self.same_tracks("alone", "out", body, but=("contacts",))
         for body in ("25", "44"):
             self.assertAlmostEqual(self.track(body)[-1]["velocity_y"], -1 - G * 0.1, delta=DIGITS)
         self.assertAlmostEqual(self.track("three")[-1]["velocity_x"], 1 - 0.6 * G * 0.1, delta=DIGITS)
