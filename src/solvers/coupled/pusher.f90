@@ -1,12 +1,13 @@
 !> The smallest displacements that open gaps, found by a few sweeps with momentum over the rows of all ranks
 !! (doc/theory/recovery.md).
 !!
-!! Nothing is tested, so that ranks sum nothing: the share of momentum is Nesterov's sequence [Nesterov1983], and what so many
-!! sweeps leave is for the next push. Copies of a body have divided masses and take their mean, as by the dual method.
+!! Nothing is tested, so that ranks sum nothing: the share of momentum follows the sequence without restarts [Nesterov1983], and what
+!! so many sweeps leave is for the next push. Copies of a body have divided masses and take their mean, as by the dual method.
 module sg_pusher
   use sg_comm, only: comm_t
   use sg_gluing, only: gluing_t
   use sg_kinds, only: wp, i4
+  use sg_nesterov_rule, only: nesterov_rule_t
   use sg_push_problem, only: push_problem_t
   use sg_subdomain, only: subdomain_t
   use sg_tables, only: per_body, per_contact, tables_t
@@ -35,21 +36,20 @@ contains
     integer, intent(in) :: sweeps !! over all rows
     type(subdomain_t), intent(in) :: coupling !! bodies shared with other ranks, numbered by slot
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: t, next
+    real(wp), parameter :: no_sums(2) = 0
+    type(nesterov_rule_t) :: rule
+    real(wp) :: share
     integer :: i
 
     if (comm%size > 1) call open_copies(self, coupling, comm)
     self%body = self%push%bodies%body
     self%impulse = self%push%impulse(:self%push%n)
-    t = 1
+    call rule%begin(0)
     do i = 1, sweeps
-      if (i > 2) then
-        next = (1 + sqrt(1 + 4*t**2))/2
-        call go_on(self, (t - 1)/next)
-        t = next
+      if (i > 1) then
+        call rule%next(no_sums, .false., share)
+        call go_on(self, share)
         if (comm%size > 1) call self%gluing%mark(self%push%bodies)
-      else if (i == 2) then
-        t = (1 + sqrt(5.0_wp))/2
       end if
       call sweep(self%push)
       if (comm%size == 1) cycle
