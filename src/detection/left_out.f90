@@ -28,7 +28,7 @@ contains
   !! the narrow phase finds the points within that way. One that the step does not have, and whose gap at the end of the step would
   !! be negative, was left out; any other bears nothing, so the solution is that of all contacts.
   logical function has_left_out(scene, pairs, history, contacts, velocity, slot_of, turns)
-    type(scene_t), intent(inout) :: scene !! scene, its contactors placed as for the detection; more corners of polygons may be
+    type(scene_t), intent(inout) :: scene !! scene, its contactors placed in its detection or since; corners of more polygons may be
     type(neighbours_t), intent(inout) :: pairs !! list of neighbours with reduced alert distances; its motion may be set
     type(history_t), intent(inout) :: history !! pairs and contacts of the detection; what is tried first may change
     type(contacts_t), intent(in) :: contacts !! contacts of the detection

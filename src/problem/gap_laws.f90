@@ -7,7 +7,7 @@ module sg_gap_laws
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: have_gap_laws, laws_look_at_gaps
+  public :: has_driven_spin, have_gap_laws, laws_look_at_gaps
 
 contains
 
@@ -29,16 +29,16 @@ contains
     laws_look_at_gaps = scene%links%n == 0 .and. all(looks_at_gap(scene%laws))
   end function laws_look_at_gaps
 
-  !> Is the spin of a body driven, and not zero?
+  !> Is a component of the spin of a body driven, and the spin not zero? Records of round shapes do not carry it.
   pure logical function has_driven_spin(bodies) result(is_driven)
-    type(bodies_t), intent(in) :: bodies
+    type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
     integer :: b, n
 
     n = bodies%dimension
     is_driven = .false.
+    if (bodies%n_velocity == n) return
     do b = 1, bodies%n
-      if (bodies%n_velocity == n) return
-      if (bodies%inverse_mass(n + 1, b) > 0) cycle
+      if (minval(bodies%inverse_mass(n + 1:, b)) > 0) cycle
       is_driven = any(abs(bodies%free_velocity(n + 1:, b)) > 0)
       if (is_driven) return
     end do

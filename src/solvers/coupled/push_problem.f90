@@ -6,6 +6,7 @@
 module sg_push_problem
   use sg_cell_motion, only: cell_bias
   use sg_contacts, only: contacts_t
+  use sg_gap_laws, only: has_driven_spin
   use sg_kinds, only: wp, i4
   use sg_mapping, only: arms_of, relative_velocity
   use sg_mapping_space, only: space_arms, space_relative_velocity
@@ -62,7 +63,8 @@ contains
       self%n = 0
       self%h = h
       self%width = first_inverse(bodies%kind) - 1
-      self%has_more = scene%cell%is_on .or. has_driven_spin(scene, self%width)
+      self%has_more = scene%cell%is_on
+      if (.not. self%has_more .and. self%width == scene%dimension) self%has_more = has_driven_spin(scene%bodies)
       if (allocated(bodies%body)) then
         if (size(bodies%body, 2) /= bodies%n_bodies) deallocate (bodies%body)
       end if
@@ -109,23 +111,6 @@ contains
       kind_of_push = solid_frictionless
     end select
   end function kind_of_push
-
-  !> Are there spins that records of so many components do not carry, and that open contacts?
-  pure logical function has_driven_spin(scene, width)
-    type(scene_t), intent(in) :: scene
-    integer, intent(in) :: width
-    integer :: b
-
-    has_driven_spin = .false.
-    associate (bodies => scene%bodies, n => scene%dimension)
-      if (width > n .or. bodies%n_velocity == n) return
-      do b = 1, bodies%n
-        if (.not. any(abs(bodies%velocity(n + 1:, b)) > 0)) cycle
-        has_driven_spin = .not. minval(bodies%inverse_mass(n + 1:, b)) > 0
-        if (has_driven_spin) return
-      end do
-    end associate
-  end function has_driven_spin
 
   !> Find the opening that displacements of two bodies make at a contact, and by how much it opens in the rest of the step.
   pure subroutine push_find(self, scene, pairs, contacts, k, jacobian, opening)
