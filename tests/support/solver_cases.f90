@@ -4,17 +4,18 @@ module solver_cases
   use scenes, only: begin_run, begin_scene, g, put_disk, put_polygon, put_wall
   use sg_assemble, only: assemble
   use sg_detect, only: detect
-  use sg_kinds, only: wp
+  use sg_kinds, only: wp, i4
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
+  use sg_random, only: random_t
   use sg_records, only: arm_frictional, round_frictional, round_frictionless
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t
   implicit none
   private
-  public :: begin_step, reassemble, first_problem, make_column, solver_of, map_in_space, check_nothing
+  public :: begin_step, reassemble, first_problem, make_column, random_pairs, solver_of, map_in_space, check_nothing
 
   !> Time step of the problems [s]
   real(wp), parameter, public :: h = 0.01_wp
@@ -113,6 +114,28 @@ contains
     end if
     f = r - p
   end function map_in_space
+
+  !> Pairs of two bodies each, which touch by a run of points, one up to so many.
+  subroutine random_pairs(random, n_bodies, most_points, pair)
+    type(random_t), intent(inout) :: random !! stream of numbers
+    integer, intent(in) :: n_bodies !! bodies to choose from
+    integer, intent(in) :: most_points !! of a pair in a row
+    integer(i4), intent(inout) :: pair(:, :) !! slots of each contact
+    integer :: k, b, points
+
+    points = 0
+    do k = 1, size(pair, 2)
+      if (points == 0) then
+        points = 1 + int(real(most_points, wp)*random%uniform())
+        b = 1 + int(real(n_bodies, wp)*random%uniform())
+        pair(:, k) = int([b, 1 + modulo(b - 1 + int(real(n_bodies - 1, wp)*random%uniform()), n_bodies)], i4)
+        if (pair(1, k) == pair(2, k)) pair(2, k) = int(1 + modulo(b, n_bodies), i4)
+      else
+        pair(:, k) = pair(:, k - 1)
+      end if
+      points = points - 1
+    end do
+  end subroutine random_pairs
 
   !> No contact, and contacts that nothing can move.
   subroutine check_nothing(t, kind)

@@ -14,6 +14,7 @@ program test_arm_lanes
   use sg_sweep_arm, only: sweep_arm_frictional
   use sg_sweep_order, only: give_impulses, put_biases, put_impulses, set_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
+  use solver_cases, only: random_pairs
   implicit none
   !> Criteria that look at increments have records one by one beside those in lanes
   type(solver_options_t), parameter :: with_copies = solver_options_t(criterion=criterion_quad)
@@ -38,7 +39,7 @@ contains
     type(random_t), intent(inout) :: random
     integer, intent(in) :: n_bodies, n
     type(problem_t), intent(out) :: problem
-    integer :: k, b, points, c
+    integer :: k, b, c
 
     call reserve_problem(problem, arm_frictional, n_bodies, n)
     do b = 1, n_bodies
@@ -51,17 +52,8 @@ contains
       if (modulo(b, 10) == 3) problem%body(arm_inverse_mx:arm_inverse_i, b) = 0
       if (modulo(b, 10) == 4) problem%body([arm_inverse_my, arm_inverse_i], b) = 0
     end do
-    points = 0
+    call random_pairs(random, n_bodies, 3, problem%pair(:, :n))
     do k = 1, n
-      if (points == 0) then
-        points = 1 + int(3.0_wp*random%uniform())
-        b = 1 + int(real(n_bodies, wp)*random%uniform())
-        problem%pair(:, k) = int([b, 1 + modulo(b - 1 + int(real(n_bodies - 1, wp)*random%uniform()), n_bodies)], i4)
-        if (problem%pair(1, k) == problem%pair(2, k)) problem%pair(2, k) = int(1 + modulo(b, n_bodies), i4)
-      else
-        problem%pair(:, k) = problem%pair(:, k - 1)
-      end if
-      points = points - 1
       call random_contact(random, k, problem)
     end do
   end subroutine random_problem

@@ -5,7 +5,7 @@ program test_solid_lanes
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use harness, only: tests_t
   use sg_iterates, only: hold, iterates_t, step_order
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
   use sg_records, only: body_length, normal_x, normal_z, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, &
@@ -20,6 +20,7 @@ program test_solid_lanes
   use sg_sweep_solid_order, only: lanes
   use sg_sweeps, only: sweep
   use sg_vectors, only: cross
+  use solver_cases, only: random_pairs
   implicit none
   !> Criteria that look at increments have records one by one beside those in lanes
   type(solver_options_t), parameter :: with_copies = solver_options_t(criterion=criterion_quad)
@@ -56,7 +57,7 @@ contains
     integer, intent(in) :: n_bodies, n
     logical, intent(in) :: with_special !! laws with compliance, linear ones, biases along tangents
     type(problem_t), intent(out) :: problem
-    integer :: k, b, points, c
+    integer :: k, b, c
 
     call reserve_problem(problem, solid_frictional, n_bodies, n)
     do b = 1, n_bodies
@@ -73,17 +74,8 @@ contains
       if (modulo(b, 10) == 3) problem%body(solid_inverse_mx:solid_inverse_yz, b) = 0
       if (modulo(b, 10) == 4) problem%body([solid_inverse_my, solid_inverse_xx, solid_inverse_xy, solid_inverse_xz], b) = 0
     end do
-    points = 0
+    call random_pairs(random, n_bodies, 7, problem%pair(:, :n))
     do k = 1, n
-      if (points == 0) then
-        points = 1 + int(7.0_wp*random%uniform())
-        b = 1 + int(real(n_bodies, wp)*random%uniform())
-        problem%pair(:, k) = int([b, 1 + modulo(b - 1 + int(real(n_bodies - 1, wp)*random%uniform()), n_bodies)], i4)
-        if (problem%pair(1, k) == problem%pair(2, k)) problem%pair(2, k) = int(1 + modulo(b, n_bodies), i4)
-      else
-        problem%pair(:, k) = problem%pair(:, k - 1)
-      end if
-      points = points - 1
       call random_contact(random, k, with_special, problem)
     end do
   end subroutine random_problem
