@@ -172,7 +172,7 @@ contains
     call look(sim, after)
     ! Measured: a fifth to a ten-thousandth. Corners of polyhedra that tumble at this moment go h^2 w^2 r, as much as the overlap
     ! itself, off the straight way on which a gap is foreseen.
-    ! Where a push finds little more than the deck allows, it need not halve the mean, but leaves no more than half of what is allowed.
+    ! Where a push finds little more than is allowed, it need not halve the mean, but leaves half of what is allowed at most.
     if (name /= 'polyhedra') call t%check(after%get('mean_penetration') < 0.5_wp*before%get('mean_penetration') .or. &
                                           after%get('max_penetration') <= 0.5_wp*sim%options%recovery*largest_grain(sim%scene), &
                                           name//': little overlap is left')
