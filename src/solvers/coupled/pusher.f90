@@ -1,8 +1,8 @@
 !> The smallest displacements that open gaps, found by a few sweeps with momentum over the rows of all ranks
 !! (doc/theory/recovery.md).
 !!
-!! Nothing is tested, so that ranks sum nothing: the share of momentum follows the sequence without restarts [Nesterov1983], and what
-!! so many sweeps leave is for the next push. Copies of a body have divided masses and take their mean, as by the dual method.
+!! Nothing is tested, so that ranks sum nothing: momentum follows the sequence without restarts [Nesterov1983], and what so many
+!! sweeps leave is for the next push. Copies of a body have divided masses and take their mean, as by the dual method.
 module sg_pusher
   use sg_comm, only: comm_t
   use sg_gluing, only: gluing_t
