@@ -272,10 +272,17 @@ contains
     do i = 1, n
       distance(i) = sqrt(x(i)**2 + y(i)**2)
     end do
-    do i = 1, n
-      x(i) = merge(x(i)/max(distance(i), least), normal(1, i), distance(i) > least)
-      y(i) = merge(y(i)/max(distance(i), least), normal(2, i), distance(i) > least)
-    end do
+    if (minval(distance(:n)) > least) then
+      do i = 1, n
+        x(i) = x(i)/distance(i)
+        y(i) = y(i)/distance(i)
+      end do
+    else
+      do i = 1, n
+        x(i) = merge(x(i)/max(distance(i), least), normal(1, i), distance(i) > least)
+        y(i) = merge(y(i)/max(distance(i), least), normal(2, i), distance(i) > least)
+      end do
+    end if
     do i = 1, n
       associate (c => contactor(1, i), a => contactor(2, i))
         normal(1, i) = x(i)

@@ -61,11 +61,12 @@ module sg_energy
 contains
 
   !> Add the works of a step that is solved but not updated: `velocity` is that of its beginning, `free_velocity` of its end.
-  pure subroutine energy_add_step(self, scene, contacts, h)
+  pure subroutine energy_add_step(self, scene, contacts, h, radius)
     class(energy_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! scene after the solve, before the update
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
+    real(wp), intent(in), contiguous :: radius(:) !! signed radii of round bodies as in `plan_t`, empty for other scenes [m]
     real(wp) :: mean(scene%bodies%n_velocity, scene%bodies%n), work(4), elastic(2)
 
     if (.not. self%is_started) then
@@ -80,7 +81,7 @@ contains
     if (any(abs(scene%gravity - self%gravity_for(scene)) > 0)) call self%change_gravity(scene, self%gravity_for(scene))
     self%gravity = scene%gravity
     call find_mean(size(mean), scene%bodies%velocity, scene%bodies%free_velocity, mean)
-    work = contact_work(scene, contacts, h, mean)
+    work = contact_work(scene, contacts, h, mean, radius)
     self%impact_loss = self%impact_loss - work(1)
     self%friction_loss = self%friction_loss - work(2)
     self%bond_work = self%bond_work - work(3)
@@ -90,7 +91,7 @@ contains
     if (.not. has_driven(size(mean), mean, scene%bodies%inverse_mass)) return
     where (scene%bodies%inverse_mass > 0) mean = 0
     self%drive_work = self%drive_work + held_work(scene%bodies, h, mean) &
-                      - sum(contact_work(scene, contacts, h, mean))
+                      - sum(contact_work(scene, contacts, h, mean, radius))
   end subroutine energy_add_step
 
   !> Go on under another gravity: the balance counts from the potential energy that bodies would have had under it.

@@ -90,9 +90,15 @@ contains
   pure function turned_back(q, v) result(image)
     real(wp), intent(in) :: q(4) !! orientation, of length one
     real(wp), intent(in) :: v(3) !! vector in the world
-    real(wp) :: image(3)
+    real(wp) :: image(3), t(3)
 
-    image = turned_by([q(1), -q(2:4)], v)
+    ! As above, with the axis turned round.
+    t(1) = 2*(q(4)*v(2) - q(3)*v(3))
+    t(2) = 2*(q(2)*v(3) - q(4)*v(1))
+    t(3) = 2*(q(3)*v(1) - q(2)*v(2))
+    image(1) = v(1) + q(1)*t(1) - q(3)*t(3) + q(4)*t(2)
+    image(2) = v(2) + q(1)*t(2) - q(4)*t(1) + q(2)*t(3)
+    image(3) = v(3) + q(1)*t(3) - q(2)*t(2) + q(3)*t(1)
   end function turned_back
 
   !> The frame of a quaternion, orthonormal to rounding whatever the quaternion's length.

@@ -1,6 +1,7 @@
 !> Scenes whose contact laws look at gaps alone, which assembly and updates of a problem serve in one pass over the contacts.
 module sg_gap_laws
   use sg_bodies, only: bodies_t
+  use sg_kinds, only: wp
   use sg_laws, only: looks_at_gap
   use sg_plan, only: plan_t
   use sg_records, only: arm_frictional, ball_frictional, is_compact, round_frictional, solid_frictional
@@ -19,7 +20,7 @@ contains
 
     have_gap_laws = any(plan%kind == [round_frictional, arm_frictional, ball_frictional, solid_frictional]) .and. &
                     laws_look_at_gaps(scene) .and. .not. scene%cell%is_on
-    if (have_gap_laws .and. is_compact(plan%kind)) have_gap_laws = .not. has_driven_spin(scene%bodies)
+    if (have_gap_laws .and. is_compact(plan%kind)) have_gap_laws = .not. has_driven_spin(scene%bodies, scene%bodies%free_velocity)
   end function have_gap_laws
 
   !> Do all laws of a scene look at the gap alone, and at nothing that a solve before has left? There are no links then.
@@ -30,16 +31,20 @@ contains
   end function laws_look_at_gaps
 
   !> Is a component of the spin of a body driven, and the spin not zero? Records of round shapes do not carry it.
-  pure logical function has_driven_spin(bodies) result(is_driven)
-    type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
-    integer :: b, n
+  pure logical function has_driven_spin(bodies, velocity) result(is_driven)
+    type(bodies_t), intent(in) :: bodies !! bodies with their inverse masses
+    real(wp), intent(in), contiguous :: velocity(:, :) !! of each body, components as in `bodies_t`
+    integer :: b
 
-    n = bodies%dimension
     is_driven = .false.
-    if (bodies%n_velocity == n) return
+    if (bodies%n_velocity == bodies%dimension) return
     do b = 1, bodies%n
-      if (minval(bodies%inverse_mass(n + 1:, b)) > 0) cycle
-      is_driven = any(abs(bodies%free_velocity(n + 1:, b)) > 0)
+      if (bodies%dimension == 2) then
+        is_driven = .not. bodies%inverse_mass(3, b) > 0 .and. abs(velocity(3, b)) > 0
+      else
+        if (min(bodies%inverse_mass(4, b), bodies%inverse_mass(5, b), bodies%inverse_mass(6, b)) > 0) cycle
+        is_driven = max(abs(velocity(4, b)), abs(velocity(5, b)), abs(velocity(6, b))) > 0
+      end if
       if (is_driven) return
     end do
   end function has_driven_spin

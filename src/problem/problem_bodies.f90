@@ -6,10 +6,11 @@ module sg_problem_bodies
   use sg_problem, only: problem_t
   use sg_records, only: arm_frictional, arm_frictionless, arm_inverse_i, arm_inverse_mx, arm_spin, ball_frictional, &
                         ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_inverse_i, &
-                        ball_inverse_m, ball_spin_x, ball_spin_z, is_in_space, plain_kind, round_frictional, round_frictionless, &
-                        round_frictionless_inverse_mx, round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, &
-                        round_inverse_my, round_spin, solid_frictional, solid_frictionless, solid_inverse_mx, solid_inverse_mz, &
-                        solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, velocity_y, velocity_z
+                        ball_inverse_m, ball_spin_x, ball_spin_z, body_length, is_in_space, plain_kind, round_frictional, &
+                        round_frictionless, round_frictionless_inverse_mx, round_frictionless_inverse_my, round_inverse_i, &
+                        round_inverse_mx, round_inverse_my, round_spin, solid_frictional, solid_frictionless, solid_inverse_mx, &
+                        solid_inverse_mz, solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, &
+                        velocity_y, velocity_z
   use sg_rotations, only: frame_of, turned_back, turned_by
   implicit none
   private
@@ -21,9 +22,9 @@ contains
   pure subroutine load_bodies(bodies, kind, body_of, radius, body)
     type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
     integer, intent(in) :: kind !! kind of problem
-    integer(i4), intent(in) :: body_of(:) !! body of each slot
-    real(wp), intent(in) :: radius(:) !! radius of round bodies [m]
-    real(wp), intent(inout) :: body(:, :) !! records to fill
+    integer(i4), intent(in), contiguous :: body_of(:) !! body of each slot
+    real(wp), intent(in), contiguous :: radius(:) !! radius of round bodies [m]
+    real(wp), intent(inout), contiguous :: body(:, :) !! records to fill
 
     if (is_in_space(kind)) then
       call load_space_bodies(bodies, kind, body_of, radius, body)
@@ -36,74 +37,111 @@ contains
   pure subroutine load_plane_bodies(bodies, kind, body_of, radius, body)
     type(bodies_t), intent(in) :: bodies
     integer, intent(in) :: kind
-    integer(i4), intent(in) :: body_of(:)
-    real(wp), intent(in) :: radius(:)
-    real(wp), intent(inout) :: body(:, :)
+    integer(i4), intent(in), contiguous :: body_of(:)
+    real(wp), intent(in), contiguous :: radius(:)
+    real(wp), intent(inout), contiguous :: body(:, :)
     integer :: s, b
 
-    do s = 1, size(body_of)
-      b = body_of(s)
-      body(velocity_x:velocity_y, s) = bodies%free_velocity(1:2, b)
-      select case (kind)
-      case (round_frictionless)
+    select case (kind)
+    case (round_frictionless)
+      do s = 1, size(body_of)
+        b = body_of(s)
+        body(velocity_x:velocity_y, s) = bodies%free_velocity(1:2, b)
         body(round_frictionless_inverse_mx:round_frictionless_inverse_my, s) = bodies%inverse_mass(1:2, b)
-      case (round_frictional)
-        body(round_spin, s) = radius(b)*bodies%free_velocity(3, b)
-        body(round_inverse_mx:round_inverse_my, s) = bodies%inverse_mass(1:2, b)
-        body(round_inverse_i, s) = radius(b)**2*bodies%inverse_mass(3, b)
-      case default
+      end do
+    case (round_frictional)
+      call load_disks(size(body_of), bodies%n, body_of, radius, bodies%free_velocity, bodies%inverse_mass, body)
+    case default
+      do s = 1, size(body_of)
+        b = body_of(s)
+        body(velocity_x:velocity_y, s) = bodies%free_velocity(1:2, b)
         body(arm_spin, s) = bodies%free_velocity(3, b)
         body(arm_inverse_mx:arm_inverse_i, s) = bodies%inverse_mass(1:3, b)
-      end select
-    end do
+      end do
+    end select
   end subroutine load_plane_bodies
+
+  !> Those of disks with friction, on plain arrays.
+  pure subroutine load_disks(n_slots, n, body_of, radius, free_velocity, inverse_mass, body)
+    integer, intent(in) :: n_slots, n
+    integer(i4), intent(in) :: body_of(n_slots)
+    real(wp), intent(in) :: radius(n), free_velocity(3, n), inverse_mass(3, n)
+    real(wp), intent(inout) :: body(body_length(round_frictional), n_slots)
+    integer :: s
+
+    do s = 1, n_slots
+      associate (b => body_of(s))
+        body(velocity_x, s) = free_velocity(1, b)
+        body(velocity_y, s) = free_velocity(2, b)
+        body(round_spin, s) = radius(b)*free_velocity(3, b)
+        body(round_inverse_mx, s) = inverse_mass(1, b)
+        body(round_inverse_my, s) = inverse_mass(2, b)
+        body(round_inverse_i, s) = radius(b)**2*inverse_mass(3, b)
+      end associate
+    end do
+  end subroutine load_disks
 
   !> Those of bodies in space.
   pure subroutine load_space_bodies(bodies, kind, body_of, radius, body)
     type(bodies_t), intent(in) :: bodies
     integer, intent(in) :: kind
-    integer(i4), intent(in) :: body_of(:)
-    real(wp), intent(in) :: radius(:)
-    real(wp), intent(inout) :: body(:, :)
+    integer(i4), intent(in), contiguous :: body_of(:)
+    real(wp), intent(in), contiguous :: radius(:)
+    real(wp), intent(inout), contiguous :: body(:, :)
     real(wp) :: frame(3, 3), inverse(3, 3)
     integer :: s, b, i
 
+    if (kind == ball_frictional) then
+      call load_balls(size(body_of), bodies%n, body_of, radius, bodies%middle, bodies%free_velocity, bodies%inverse_mass, body)
+      return
+    end if
     do s = 1, size(body_of)
       b = body_of(s)
       body(velocity_x:velocity_z, s) = bodies%free_velocity(1:3, b)
-      select case (kind)
-      case (ball_frictionless)
+      if (kind == ball_frictionless) then
         body(ball_frictionless_inverse_mx:ball_frictionless_inverse_mz, s) = bodies%inverse_mass(1:3, b)
-      case (ball_frictional)
-        body(ball_spin_x:ball_spin_z, s) = 0
-        if (radius(b) > 0) then
-          body(ball_spin_x:ball_spin_z, s) = radius(b)*turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
-        end if
-        body(ball_inverse_m, s) = maxval(bodies%inverse_mass(1:3, b))
-        body(ball_inverse_i, s) = radius(b)**2*bodies%inverse_mass(4, b)
-        if (body(ball_inverse_m, s) > 0 .and. .not. minval(bodies%inverse_mass(1:3, b)) > 0) then
-          body(ball_inverse_i, s) = sum(merge([-1.0_wp, -2.0_wp, -4.0_wp], [0.0_wp, 0.0_wp, 0.0_wp], &
-                                              bodies%inverse_mass(1:3, b) > 0))
-        end if
-      case default
-        body(solid_inverse_mx:solid_inverse_mz, s) = bodies%inverse_mass(1:3, b)
-        body(solid_spin_x:solid_spin_z, s) = turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
-        frame = frame_of(bodies%middle(4:7, b))
-        do i = 1, 3
-          inverse(:, i) = matmul(frame, bodies%inverse_mass(4:6, b)*frame(i, :))
-        end do
-        body(solid_inverse_xx:solid_inverse_yz, s) = [inverse(1, 1), inverse(2, 2), inverse(3, 3), inverse(1, 2), inverse(1, 3), &
-                                                      inverse(2, 3)]
-        body(solid_inverse_yz + 1:, s) = 0
-      end select
+        cycle
+      end if
+      body(solid_inverse_mx:solid_inverse_mz, s) = bodies%inverse_mass(1:3, b)
+      body(solid_spin_x:solid_spin_z, s) = turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b))
+      frame = frame_of(bodies%middle(4:7, b))
+      do i = 1, 3
+        inverse(:, i) = matmul(frame, bodies%inverse_mass(4:6, b)*frame(i, :))
+      end do
+      body(solid_inverse_xx:solid_inverse_yz, s) = [inverse(1, 1), inverse(2, 2), inverse(3, 3), inverse(1, 2), inverse(1, 3), &
+                                                    inverse(2, 3)]
+      body(solid_inverse_yz + 1:, s) = 0
     end do
   end subroutine load_space_bodies
+
+  !> Those of balls with friction, on plain arrays.
+  pure subroutine load_balls(n_slots, n, body_of, radius, middle, free_velocity, inverse_mass, body)
+    integer, intent(in) :: n_slots, n
+    integer(i4), intent(in) :: body_of(n_slots)
+    real(wp), intent(in) :: radius(n), middle(7, n), free_velocity(6, n), inverse_mass(6, n)
+    real(wp), intent(inout) :: body(body_length(ball_frictional), n_slots)
+    real(wp) :: most
+    integer :: s
+
+    do s = 1, n_slots
+      associate (b => body_of(s))
+        body(velocity_x:velocity_z, s) = free_velocity(1:3, b)
+        body(ball_spin_x:ball_spin_z, s) = 0
+        if (radius(b) > 0) body(ball_spin_x:ball_spin_z, s) = radius(b)*turned_by(middle(4:7, b), free_velocity(4:6, b))
+        most = max(inverse_mass(1, b), inverse_mass(2, b), inverse_mass(3, b))
+        body(ball_inverse_m, s) = most
+        body(ball_inverse_i, s) = radius(b)**2*inverse_mass(4, b)
+        if (most > 0 .and. .not. min(inverse_mass(1, b), inverse_mass(2, b), inverse_mass(3, b)) > 0) &
+          body(ball_inverse_i, s) = sum(merge([-1.0_wp, -2.0_wp, -4.0_wp], 0.0_wp, inverse_mass(1:3, b) > 0))
+      end associate
+    end do
+  end subroutine load_balls
 
   !> Velocities of the solution back to the bodies (into `free_velocity`).
   pure subroutine take_velocities(problem, body_of, radius, bodies)
     type(problem_t), intent(in) :: problem !! solved problem
-    integer(i4), intent(in) :: body_of(:) !! body of each slot
-    real(wp), intent(in) :: radius(:) !! as in `load_bodies`
+    integer(i4), intent(in), contiguous :: body_of(:) !! body of each slot
+    real(wp), intent(in), contiguous :: radius(:) !! as in `load_bodies`
     type(bodies_t), intent(inout) :: bodies !! bodies that move on
 
     if (is_in_space(problem%kind)) then
@@ -116,43 +154,79 @@ contains
   !> Those of bodies in the plane.
   pure subroutine unload_plane_bodies(problem, body_of, radius, bodies)
     type(problem_t), intent(in) :: problem
-    integer(i4), intent(in) :: body_of(:)
-    real(wp), intent(in) :: radius(:)
+    integer(i4), intent(in), contiguous :: body_of(:)
+    real(wp), intent(in), contiguous :: radius(:)
     type(bodies_t), intent(inout) :: bodies
-    integer :: s, b
+    integer :: s
 
-    do s = 1, problem%n_bodies
-      b = body_of(s)
-      bodies%free_velocity(1:2, b) = problem%body(velocity_x:velocity_y, s)
-      select case (plain_kind(problem%kind))
-      case (round_frictional)
-        if (bodies%inverse_mass(3, b) > 0) bodies%free_velocity(3, b) = problem%body(round_spin, s)/radius(b)
-      case (arm_frictional, arm_frictionless)
-        bodies%free_velocity(3, b) = problem%body(arm_spin, s)
-      end select
-    end do
+    select case (plain_kind(problem%kind))
+    case (round_frictional)
+      call unload_disks(problem%n_bodies, bodies%n, body_of, radius, bodies%inverse_mass, problem%body, bodies%free_velocity)
+    case (arm_frictional, arm_frictionless)
+      do s = 1, problem%n_bodies
+        bodies%free_velocity(1:2, body_of(s)) = problem%body(velocity_x:velocity_y, s)
+        bodies%free_velocity(3, body_of(s)) = problem%body(arm_spin, s)
+      end do
+    case default
+      do s = 1, problem%n_bodies
+        bodies%free_velocity(1:2, body_of(s)) = problem%body(velocity_x:velocity_y, s)
+      end do
+    end select
   end subroutine unload_plane_bodies
+
+  !> Those of disks with friction, on plain arrays.
+  pure subroutine unload_disks(n_slots, n, body_of, radius, inverse_mass, body, free_velocity)
+    integer, intent(in) :: n_slots, n
+    integer(i4), intent(in) :: body_of(n_slots)
+    real(wp), intent(in) :: radius(n), inverse_mass(3, n), body(body_length(round_frictional), n_slots)
+    real(wp), intent(inout) :: free_velocity(3, n)
+    integer :: s
+
+    do s = 1, n_slots
+      associate (b => body_of(s))
+        free_velocity(1, b) = body(velocity_x, s)
+        free_velocity(2, b) = body(velocity_y, s)
+        if (inverse_mass(3, b) > 0) free_velocity(3, b) = body(round_spin, s)/radius(b)
+      end associate
+    end do
+  end subroutine unload_disks
 
   !> Those of bodies in space.
   pure subroutine unload_space_bodies(problem, body_of, radius, bodies)
     type(problem_t), intent(in) :: problem
-    integer(i4), intent(in) :: body_of(:)
-    real(wp), intent(in) :: radius(:)
+    integer(i4), intent(in), contiguous :: body_of(:)
+    real(wp), intent(in), contiguous :: radius(:)
     type(bodies_t), intent(inout) :: bodies
     integer :: s, b
 
+    if (plain_kind(problem%kind) == ball_frictional) then
+      call unload_balls(problem%n_bodies, bodies%n, body_of, radius, bodies%middle, problem%body, bodies%free_velocity)
+      return
+    end if
     do s = 1, problem%n_bodies
       b = body_of(s)
       bodies%free_velocity(1:3, b) = problem%body(velocity_x:velocity_z, s)
-      select case (plain_kind(problem%kind))
-      case (ball_frictional)
-        if (.not. radius(b) > 0) cycle
-        bodies%free_velocity(4:6, b) = turned_back(bodies%middle(4:7, b), problem%body(ball_spin_x:ball_spin_z, s))/radius(b)
-      case (solid_frictionless, solid_frictional)
-        ! Driven components stay as they were given, to the last digit.
-        bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(solid_spin_x:solid_spin_z, s)), &
-                                             bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
-      end select
+      if (plain_kind(problem%kind) == ball_frictionless) cycle
+      ! Driven components stay as they were given, to the last digit.
+      bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(solid_spin_x:solid_spin_z, s)), &
+                                           bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
     end do
   end subroutine unload_space_bodies
+
+  !> Those of balls with friction, on plain arrays.
+  pure subroutine unload_balls(n_slots, n, body_of, radius, middle, body, free_velocity)
+    integer, intent(in) :: n_slots, n
+    integer(i4), intent(in) :: body_of(n_slots)
+    real(wp), intent(in) :: radius(n), middle(7, n), body(body_length(ball_frictional), n_slots)
+    real(wp), intent(inout) :: free_velocity(6, n)
+    integer :: s
+
+    do s = 1, n_slots
+      associate (b => body_of(s))
+        free_velocity(1:3, b) = body(velocity_x:velocity_z, s)
+        if (radius(b) > 0) &
+          free_velocity(4:6, b) = turned_back(middle(4:7, b), body(ball_spin_x:ball_spin_z, s))/radius(b)
+      end associate
+    end do
+  end subroutine unload_balls
 end module sg_problem_bodies

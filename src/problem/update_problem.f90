@@ -54,11 +54,10 @@ contains
     type(neighbours_t), intent(in) :: pairs !! bodies of slots
     type(scene_t), intent(inout) :: scene !! its `free_velocity` is set
     type(contacts_t), intent(inout) :: contacts !! its impulses are set
-    integer :: k
 
-    do k = 1, contacts%n
-      contacts%impulse(:, k) = problem%impulse(:, k)
-    end do
+    associate (n => contacts%n)
+      contacts%impulse(:, :n) = problem%impulse(:, :n)
+    end associate
     call take_velocities(problem, pairs%body_of, plan%radius, scene%bodies)
   end subroutine take_impulses
 end module sg_update_problem

@@ -193,7 +193,9 @@ contains
 
     if (sim%substep == 1) call check_limits(sim, error)
     associate (h => sim%options%substep_length())
-      if (sim%substep > 1 .and. can_update(sim%scene, sim%plan)) then
+      sim%updates_problem = .false.
+      if (sim%options%substeps > 1) sim%updates_problem = can_update(sim%scene, sim%plan)
+      if (sim%substep > 1 .and. sim%updates_problem) then
         call update_problem(sim%scene, sim%plan, sim%pairs, sim%contacts, h, sim%problem)
       else
         call assemble(sim%scene, sim%plan, sim%pairs, sim%contacts, h, sim%problem)
@@ -266,7 +268,7 @@ contains
 
     status = sim%contacts%status(:sim%contacts%n)
     associate (h => sim%options%substep_length())
-      if (sim%substep < sim%options%substeps .and. can_update(sim%scene, sim%plan)) then
+      if (sim%substep < sim%options%substeps .and. sim%updates_problem) then
         call take_impulses(sim%problem, sim%plan, sim%pairs, sim%scene, sim%contacts)
       else
         call disassemble(sim%problem, sim%plan, sim%pairs, h, sim%report%violation, sim%scene, sim%contacts)
@@ -301,7 +303,7 @@ contains
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
 
-    call sim%energy%add_step(sim%scene, sim%contacts, sim%options%substep_length())
+    call sim%energy%add_step(sim%scene, sim%contacts, sim%options%substep_length(), sim%plan%radius)
     call sim%tracks%add_step(sim%scene, sim%contacts, sim%options%substep_length())
     call sim%means%add_step(sim%scene, sim%contacts, sim%options%substep_length())
     call note_worst(sim)

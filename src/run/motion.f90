@@ -21,18 +21,13 @@ contains
     real(wp), intent(in) :: time !! beginning of the step [s]
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: theta !! weight of the end of the step
-    integer :: b, n
 
-    n = scene%dimension
     call set_gravity(scene, time, h, theta)
-    do b = 1, scene%bodies%n
-      scene%bodies%force(:, b) = 0
-      scene%bodies%force(:n, b) = scene%bodies%mass(b)*scene%gravity(:n)
-    end do
-    call hold_driven(scene%drives, scene%bodies, time + h/2)
-    call drive_forces(scene%drives, scene%pressures, scene%bodies, time, h, theta)
     associate (bodies => scene%bodies)
-      bodies%free_velocity = bodies%velocity + h*bodies%inverse_mass*bodies%force
+      call set_weights(scene%dimension, bodies%n_velocity, bodies%n, scene%gravity, bodies%mass, bodies%force)
+      call hold_driven(scene%drives, bodies, time + h/2)
+      call drive_forces(scene%drives, scene%pressures, bodies, time, h, theta)
+      call set_free_velocities(size(bodies%force), h, bodies%velocity, bodies%inverse_mass, bodies%force, bodies%free_velocity)
     end associate
     call drive_velocities(scene%drives, scene%bodies, time + h, h)
     if (scene%cell%is_on) call begin_in_cell(scene, time, h, theta)
@@ -41,6 +36,36 @@ contains
     call set_middle(scene%bodies, (1 - theta)*h)
     if (scene%cell%is_on) call carry_middle(scene, (1 - theta)*h)
   end subroutine predict
+
+  !> Weights of all bodies. Loops over bodies here have plain arrays and components that are written out.
+  pure subroutine set_weights(dimension, n_velocity, n, gravity, mass, force)
+    integer, intent(in) :: dimension, n_velocity, n
+    real(wp), intent(in) :: gravity(3), mass(n)
+    real(wp), intent(out) :: force(n_velocity, n)
+    integer :: b
+
+    if (dimension == 2 .and. n_velocity == 3) then
+      do b = 1, n
+        force(1, b) = mass(b)*gravity(1)
+        force(2, b) = mass(b)*gravity(2)
+        force(3, b) = 0
+      end do
+      return
+    end if
+    do b = 1, n
+      force(:dimension, b) = mass(b)*gravity(:dimension)
+      force(dimension + 1:, b) = 0
+    end do
+  end subroutine set_weights
+
+  !> Free velocities, one component of all bodies after the other.
+  pure subroutine set_free_velocities(n, h, velocity, inverse_mass, force, free_velocity)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: h, velocity(n), inverse_mass(n), force(n)
+    real(wp), intent(out) :: free_velocity(n)
+
+    free_velocity = velocity + h*inverse_mass*force
+  end subroutine set_free_velocities
 
   !> Begin a step of a periodic cell. Own velocities of bodies are those beyond the cell's: by Newton's law they change by -G V.
   pure subroutine begin_in_cell(scene, time, h, theta)
@@ -104,7 +129,9 @@ contains
     integer :: b
 
     do b = 1, bodies%n
-      if (.not. maxval(bodies%principal(:, b)) > minval(bodies%principal(:, b))) cycle
+      associate (p => bodies%principal(:, b))
+        if (.not. max(p(1), p(2), p(3)) > min(p(1), p(2), p(3))) cycle
+      end associate
       call free_spin(bodies%principal(:, b), bodies%inverse_mass(4:6, b), bodies%velocity(4:6, b), bodies%force(4:6, b), h, &
                      theta, bodies%free_velocity(4:6, b))
     end do
@@ -114,21 +141,37 @@ contains
   pure subroutine set_middle(bodies, duration)
     type(bodies_t), intent(inout) :: bodies
     real(wp), intent(in) :: duration
-    integer :: b
+    integer :: b, n
 
-    bodies%middle(:bodies%dimension, :) = bodies%position + duration*bodies%velocity(:bodies%dimension, :)
-    select case (bodies%n_velocity - bodies%dimension)
+    n = bodies%dimension
+    select case (bodies%n_velocity - n)
     case (1)
-      bodies%middle(3, :) = bodies%angle + duration*bodies%velocity(3, :)
+      call move_in_plane(bodies%n, duration, bodies%position, bodies%angle, bodies%velocity, bodies%middle)
     case (3)
       do b = 1, bodies%n
-        bodies%middle(4:7, b) = turned_on(bodies%orientation(:, b), duration*bodies%velocity(4:6, b))
+        bodies%middle(1:3, b) = bodies%position(1:3, b) + duration*bodies%velocity(1:3, b)
+        bodies%middle(4:7, b) = turned_on(bodies%orientation(1:4, b), duration*bodies%velocity(4:6, b))
       end do
     case default
+      bodies%middle(:n, :) = bodies%position + duration*bodies%velocity(:n, :)
       if (allocated(bodies%angle)) bodies%middle(3, :) = bodies%angle
       if (allocated(bodies%orientation)) bodies%middle(4:7, :) = bodies%orientation
     end select
   end subroutine set_middle
+
+  !> Places and angles after a time, of bodies that turn in the plane.
+  pure subroutine move_in_plane(n, duration, position, angle, velocity, moved)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: duration, position(2, n), angle(n), velocity(3, n)
+    real(wp), intent(inout) :: moved(3, n)
+    integer :: b
+
+    do b = 1, n
+      moved(1, b) = position(1, b) + duration*velocity(1, b)
+      moved(2, b) = position(2, b) + duration*velocity(2, b)
+      moved(3, b) = angle(b) + duration*velocity(3, b)
+    end do
+  end subroutine move_in_plane
 
   !> Move bodies to the end of the step; their velocities there stand in `free_velocity`.
   pure subroutine update(bodies, h, theta)
@@ -138,22 +181,47 @@ contains
     integer :: b, n
 
     n = bodies%dimension
-    bodies%position = bodies%position + h*((1 - theta)*bodies%velocity(:n, :) + theta*bodies%free_velocity(:n, :))
     select case (bodies%n_velocity - n)
     case (1)
-      bodies%angle = bodies%angle + h*((1 - theta)*bodies%velocity(3, :) + theta*bodies%free_velocity(3, :))
+      call update_in_plane(bodies%n, h, theta, bodies%free_velocity, bodies%position, bodies%angle, bodies%velocity)
+      return
     case (3)
       do b = 1, bodies%n
-        bodies%orientation(:, b) = turned_on(bodies%orientation(:, b), &
-                                             h*((1 - theta)*bodies%velocity(4:6, b) + theta*bodies%free_velocity(4:6, b)))
-        if (keeps_spin(bodies%principal(:, b), bodies%inverse_mass(4:6, b))) then
-          bodies%free_velocity(4:6, b) = turned_back(bodies%orientation(:, b), &
-                                                     turned_by(bodies%middle(4:7, b), bodies%free_velocity(4:6, b)))
-        end if
+        call update_in_space(h, theta, bodies%middle(4:7, b), bodies%principal(:, b), bodies%inverse_mass(4:6, b), &
+                             bodies%velocity(:, b), bodies%position(:, b), bodies%orientation(:, b), bodies%free_velocity(:, b))
       end do
+    case default
+      bodies%position = bodies%position + h*((1 - theta)*bodies%velocity + theta*bodies%free_velocity)
     end select
     bodies%velocity = bodies%free_velocity
   end subroutine update
+
+  !> Those that turn in the plane.
+  pure subroutine update_in_plane(n, h, theta, next, position, angle, velocity)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: h, theta, next(3, n)
+    real(wp), intent(inout) :: position(2, n), angle(n), velocity(3, n)
+    integer :: b
+
+    do b = 1, n
+      position(1, b) = position(1, b) + h*((1 - theta)*velocity(1, b) + theta*next(1, b))
+      position(2, b) = position(2, b) + h*((1 - theta)*velocity(2, b) + theta*next(2, b))
+      angle(b) = angle(b) + h*((1 - theta)*velocity(3, b) + theta*next(3, b))
+      velocity(1, b) = next(1, b)
+      velocity(2, b) = next(2, b)
+      velocity(3, b) = next(3, b)
+    end do
+  end subroutine update_in_plane
+
+  !> One that turns in space.
+  pure subroutine update_in_space(h, theta, middle, principal, inverse, velocity, position, orientation, next)
+    real(wp), intent(in) :: h, theta, middle(4), principal(3), inverse(3), velocity(6)
+    real(wp), intent(inout) :: position(3), orientation(4), next(6)
+
+    position = position + h*((1 - theta)*velocity(1:3) + theta*next(1:3))
+    orientation = turned_on(orientation, h*((1 - theta)*velocity(4:6) + theta*next(4:6)))
+    if (keeps_spin(principal, inverse)) next(4:6) = turned_back(orientation, turned_by(middle, next(4:6)))
+  end subroutine update_in_space
 
   !> Move bodies on by the velocities that stand in `free_velocity`, which those of their motion are not.
   pure subroutine shift(bodies, h)
@@ -178,6 +246,10 @@ contains
   pure logical function keeps_spin(principal, inverse)
     real(wp), intent(in) :: principal(3), inverse(3)
 
-    keeps_spin = minval(inverse) > 0 .and. maxval(principal) - minval(principal) <= 16*epsilon(1.0_wp)*maxval(principal)
+    real(wp) :: largest
+
+    largest = max(principal(1), principal(2), principal(3))
+    keeps_spin = min(inverse(1), inverse(2), inverse(3)) > 0 .and. &
+                 largest - min(principal(1), principal(2), principal(3)) <= 16*epsilon(1.0_wp)*largest
   end function keeps_spin
 end module sg_motion

@@ -105,6 +105,8 @@ module sg_simulation
     !> What carries contacts from substep to substep, and the state at the beginning of the step; unused where there is one substep
     type(carry_t) :: carry
     type(step_start_t) :: step_start
+    !> May the problem of the next substep be made from that of this one?
+    logical :: updates_problem = .false.
     !> Contacts of the last step, of all ranks
     integer :: all_contacts = 0
     !> Where ranks share the scene: effort of this rank in this run, and its messages in solves; signature of the whole scene

@@ -118,9 +118,9 @@ contains
     call start_simulation(sim)
     do i = 1, steps
       call solve_step(sim)
-      call sim%energy%add_step(sim%scene, sim%contacts, h)
+      call sim%energy%add_step(sim%scene, sim%contacts, h, sim%plan%radius)
       call cut_scene(sim%scene, sim%contacts, split(comm, sim%scene%bodies%n, i), comm%rank, comm%size, local, contacts, subdomain)
-      call energy%add_step(local, contacts, h)
+      call energy%add_step(local, contacts, h, [real(wp) ::])
       call update(sim%scene%bodies, h, sim%options%theta)
       sim%step = i
       deepest = deepest_penetration(contacts)

@@ -4,12 +4,14 @@ module sg_contact_work
   use sg_bonds, only: bond_impulse
   use sg_cell_motion, only: cell_bias, cell_jump
   use sg_contacts, only: contacts_t, has_bonds, impulse_vector, moment_vector, normal_impulse
+  use sg_gap_laws, only: has_driven_spin
   use sg_kinds, only: wp
   use sg_laws, only: is_cohesive_zone
   use sg_mapping, only: relative_velocity
   use sg_mapping_space, only: space_arms
   use sg_rotations, only: turned_by
   use sg_scene, only: scene_t
+  use sg_work_loops, only: work_in_plane, work_in_space, work_of_balls, work_of_disks
   implicit none
   private
   public :: contact_work
@@ -17,23 +19,27 @@ module sg_contact_work
 contains
 
   !> Work of the contact impulses along normals and along tangents, of bonds, and of moments [J]: r . H^T v.
-  pure function contact_work(scene, contacts, h, velocity) result(work)
+  !! Lever arms of round bodies are their radii, unless a spin is driven.
+  pure function contact_work(scene, contacts, h, velocity, radius) result(work)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in), contiguous :: velocity(:, :) !! of each body, components as in `bodies_t`
+    real(wp), intent(in), contiguous :: radius(:) !! signed radii of round bodies as in `plan_t`, empty for other scenes [m]
     real(wp) :: work(4), u(2), bias(3), jump(3), normal_work, bond(contacts%n_components), of_bond
     real(wp), allocatable :: spin(:, :)
     integer :: k
-    logical :: has_zones
+    logical :: has_zones, is_round
 
     work = 0
+    if (contacts%n == 0) return
     has_zones = has_bonds(contacts)
-    if (scene%dimension == 3) spin = spins_in_world(scene%bodies, velocity)
+    is_round = size(radius) > 0 .and. contacts%n_components == scene%dimension
+    if (is_round) is_round = .not. has_driven_spin(scene%bodies, velocity)
+    spin = spins_in_world(scene%bodies, velocity)
     if (contacts%n_moments > 0) work(4) = work_of_moments(contacts, velocity, spin)
     if (.not. (has_zones .or. scene%cell%is_on)) then
-      if (scene%dimension == 2) work(1:2) = work_in_plane(scene, contacts, velocity)
-      if (scene%dimension == 3) work(1:2) = work_in_space(scene, contacts, velocity, spin)
+      work(1:2) = work_of_forces(scene, contacts, velocity, spin, is_round, radius)
       return
     end if
     do k = 1, contacts%n
@@ -64,86 +70,36 @@ contains
     end do
   end function contact_work
 
-  !> The same along normals and tangents in the plane, without bonds and a periodic cell: r . `relative_velocity` in one pass.
-  pure function work_in_plane(scene, contacts, velocity) result(work)
+  !> Work along normals and along tangents, without bonds and a periodic cell.
+  pure function work_of_forces(scene, contacts, velocity, spin, is_round, radius) result(work)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
-    real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp) :: work(2), normal, tangential, half, x, y, ux, uy
-    integer :: k
+    real(wp), intent(in), contiguous :: velocity(:, :), spin(:, :), radius(:)
+    logical, intent(in) :: is_round
+    real(wp) :: work(2)
 
-    work = 0
-    do k = 1, contacts%n
-      normal = contacts%impulse(1, k)
-      tangential = 0
-      if (contacts%n_components == 2) tangential = contacts%impulse(2, k)
-      if (.not. abs(normal) + abs(tangential) > 0) cycle
-      associate (c => contacts%body(1, k), a => contacts%body(2, k), n => contacts%normal(:, k), point => contacts%point(:, k), &
-                 middle => scene%bodies%middle)
-        ux = velocity(1, c) - velocity(1, a)
-        uy = velocity(2, c) - velocity(2, a)
-        if (size(velocity, 1) == 3) then
-          half = contacts%gap(k)/2
-          x = point(1) + half*n(1) - middle(1, c)
-          y = point(2) + half*n(2) - middle(2, c)
-          ux = ux - velocity(3, c)*y
-          uy = uy + velocity(3, c)*x
-          x = point(1) - half*n(1) - middle(1, a) - scene%period*real(contacts%image(k), wp)
-          y = point(2) - half*n(2) - middle(2, a)
-          ux = ux + velocity(3, a)*y
-          uy = uy - velocity(3, a)*x
-        end if
-        work(1) = work(1) + normal*(n(1)*ux + n(2)*uy)
-        work(2) = work(2) + tangential*(n(2)*ux - n(1)*uy)
-      end associate
-    end do
-  end function work_in_plane
-
-  !> The same in space: impulses, which are vectors there or along the normal alone, times `jump_at`.
-  pure function work_in_space(scene, contacts, velocity, spin) result(work)
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
-    real(wp), intent(in), contiguous :: velocity(:, :), spin(:, :)
-    real(wp) :: work(2), x, y, z, half, ux, uy, uz, normal
-    integer :: k
-
-    work = 0
-    do k = 1, contacts%n
-      if (.not. any(abs(contacts%impulse(:, k)) > 0)) cycle
-      associate (c => contacts%body(1, k), a => contacts%body(2, k), n => contacts%normal(:, k), point => contacts%point(:, k), &
-                 middle => scene%bodies%middle, r => contacts%impulse(:, k))
-        ux = velocity(1, c) - velocity(1, a)
-        uy = velocity(2, c) - velocity(2, a)
-        uz = velocity(3, c) - velocity(3, a)
-        if (size(spin, 2) > 0) then
-          half = contacts%gap(k)/2
-          x = point(1) + half*n(1) - middle(1, c)
-          y = point(2) + half*n(2) - middle(2, c)
-          z = point(3) + half*n(3) - middle(3, c)
-          ux = ux + spin(2, c)*z - spin(3, c)*y
-          uy = uy + spin(3, c)*x - spin(1, c)*z
-          uz = uz + spin(1, c)*y - spin(2, c)*x
-          x = point(1) - half*n(1) - middle(1, a) - scene%period*real(contacts%image(k), wp)
-          y = point(2) - half*n(2) - middle(2, a) - scene%period_y*real(contacts%image_y(k), wp)
-          z = point(3) - half*n(3) - middle(3, a)
-          ux = ux - (spin(2, a)*z - spin(3, a)*y)
-          uy = uy - (spin(3, a)*x - spin(1, a)*z)
-          uz = uz - (spin(1, a)*y - spin(2, a)*x)
-        end if
-        normal = r(1)
-        if (contacts%n_components == 3) normal = n(1)*r(1) + n(2)*r(2) + n(3)*r(3)
-        normal = normal*(n(1)*ux + n(2)*uy + n(3)*uz)
-        work(1) = work(1) + normal
-        if (contacts%n_components == 3) work(2) = work(2) + (r(1)*ux + r(2)*uy + r(3)*uz - normal)
-      end associate
-    end do
-  end function work_in_space
+    associate (n => contacts%n, m => contacts%n_components, bodies => scene%bodies, v => size(velocity, 1), &
+               c => size(scene%bodies%middle, 1))
+      if (is_round .and. scene%dimension == 2) then
+        work = work_of_disks(n, bodies%n, contacts%body, contacts%normal, contacts%impulse, radius, velocity)
+      else if (is_round) then
+        work = work_of_balls(n, bodies%n, contacts%body, contacts%normal, contacts%impulse, radius, velocity, spin)
+      else if (scene%dimension == 2) then
+        work = work_in_plane(n, m, bodies%n, v, c, contacts%body, contacts%image, contacts%normal, contacts%point, contacts%gap, &
+                             contacts%impulse, scene%period, bodies%middle, velocity)
+      else
+        work = work_in_space(n, m, bodies%n, size(spin, 2), v, c, contacts%body, contacts%image, contacts%image_y, &
+                             contacts%normal, contacts%point, contacts%gap, contacts%impulse, [scene%period, scene%period_y], &
+                             bodies%middle, velocity, spin)
+      end if
+    end associate
+  end function work_of_forces
 
   !> Work of moments on the relative spins of contacts [J].
   pure real(wp) function work_of_moments(contacts, velocity, spin) result(work)
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp), allocatable, intent(in) :: spin(:, :)
+    real(wp), intent(in), contiguous :: spin(:, :)
     real(wp) :: moment(3)
     integer :: k
 
@@ -164,7 +120,7 @@ contains
     real(wp), allocatable :: spin(:, :)
     integer :: b
 
-    allocate (spin(3, merge(bodies%n, 0, size(velocity, 1) == 6)))
+    allocate (spin(3, merge(bodies%n, 0, bodies%dimension == 3 .and. size(velocity, 1) == 6)))
     do b = 1, size(spin, 2)
       spin(:, b) = turned_by(bodies%middle(4:7, b), velocity(4:6, b))
     end do

@@ -64,7 +64,8 @@ contains
       self%h = h
       self%width = first_inverse(bodies%kind) - 1
       self%has_more = scene%cell%is_on
-      if (.not. self%has_more .and. self%width == scene%dimension) self%has_more = has_driven_spin(scene%bodies)
+      if (.not. self%has_more .and. self%width == scene%dimension) &
+        self%has_more = has_driven_spin(scene%bodies, scene%bodies%free_velocity)
       if (allocated(bodies%body)) then
         if (size(bodies%body, 2) /= bodies%n_bodies) deallocate (bodies%body)
       end if

@@ -13,6 +13,8 @@ program test_energy
   implicit none
   ! Closed forms of a few operations: a few roundings of numbers of order one to ten.
   real(wp), parameter :: rounding = 1e-13_wp
+  !> Lever arms of any direction
+  real(wp), parameter :: no_radii(0) = 0
   type(tests_t) :: t
 
   call test_bounce()
@@ -66,7 +68,7 @@ contains
   subroutine test_bounce()
     type(scene_t) :: scene
     type(contacts_t) :: contacts
-    type(energy_t) :: energy
+    type(energy_t) :: energy, by_radii
     real(wp), parameter :: h = 0.01_wp
 
     scene = disks(reshape([0.0_wp, 1.0_wp, 0.0_wp, -1.0_wp], [2, 2]))
@@ -75,7 +77,9 @@ contains
     ! Friction brings the sliding velocity of the point from 2 to 1.7 and starts a spin.
     call touch(contacts, 1, 2, [0.0_wp, 1.0_wp], [0.0_wp, 0.0_wp], 0.0_wp, [8.0_wp, -0.2_wp])
     call end_step(scene, contacts, h)
-    call energy%add_step(scene, contacts, h)
+    call energy%add_step(scene, contacts, h, no_radii)
+    call by_radii%add_step(scene, contacts, h, [1.0_wp, 0.0_wp])
+    call t%near(maxval(abs(by_radii%pack() - energy%pack())), 0.0_wp, rounding, 'works with lever arms that are radii')
     call update(scene, h)
     call t%near(scene%bodies%velocity(2, 1), 1.0_wp, rounding, 'velocity after the bounce')
     call t%near(energy%impact_loss, 8.0_wp, rounding, 'impact loss of a bounce')
@@ -115,7 +119,7 @@ contains
       end do
       scene%bodies%free_velocity(3, 2) = random%uniform(-1.0_wp, 1.0_wp)
       call end_step(scene, contacts, h)
-      call energy%add_step(scene, contacts, h)
+      call energy%add_step(scene, contacts, h, no_radii)
       call update(scene, h)
       ! A wrapped position with its crossing is the same unwrapped one.
       scene%bodies%position(1, 1) = scene%bodies%position(1, 1) - scene%period
@@ -138,7 +142,7 @@ contains
     scene%bodies%free_velocity(1, 1) = 2
     call touch(contacts, 1, 2, [-1.0_wp, 0.0_wp], [1.0_wp, 0.0_wp], 0.0_wp, [4.0_wp, 0.0_wp])
     call end_step(scene, contacts, h)
-    call energy%add_step(scene, contacts, h)
+    call energy%add_step(scene, contacts, h, no_radii)
     call update(scene, h)
     call t%near(energy%drive_work, 8.0_wp, rounding, 'work of the drive')
     call t%near(energy%impact_loss, 4.0_wp, rounding, 'loss of the push')
@@ -163,7 +167,7 @@ contains
       ! On a disk of unit radius and inertia; the tangential impulse turns both disks the same way.
       scene%bodies%free_velocity(3, b) = scene%bodies%velocity(3, b) + tangential
     end do
-    call energy%add_step(scene, contacts, h)
+    call energy%add_step(scene, contacts, h, no_radii)
     call update(scene, h)
     call t%near(closure_of(energy, scene), 0.0_wp, rounding, 'balance across a gap')
   end subroutine test_energy_across_a_gap
@@ -187,12 +191,12 @@ contains
 
     scene = disks(reshape([0.0_wp, 0.0_wp], [2, 1]))
     call t%near(closure_of(energy, scene), 0.0_wp, 0.0_wp, 'no balance before the first step')
-    call energy%add_step(scene, contacts, 0.1_wp)
+    call energy%add_step(scene, contacts, 0.1_wp, no_radii)
     call t%near(closure_of(energy, scene), 0.0_wp, 0.0_wp, 'an empty balance is closed')
     scene%gravity(:2) = [0.0_wp, -10.0_wp]
     scene%bodies%position(2, 1) = 1000
     call t%near(potential_energy(scene), 20000.0_wp, 1e-10_wp, 'potential energy m g y')
-    call energy%add_step(scene, contacts, 0.1_wp)
+    call energy%add_step(scene, contacts, 0.1_wp, no_radii)
     call reserve_contacts(contacts, 1)
     call measure(scene, contacts, 0.1_wp, energy, measures)
     call t%near(measures%get('potential_energy'), 20000.0_wp, 1e-10_wp, 'a measure by its name')
