@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Scenes of `input_decks/engines` with few grains: they come to rest, and steps of theirs are timed by phase: test_time_phases.py PROGRAM"""
+"""Scenes of `input_decks/engines` with few grains: they come to rest, and steps of theirs are timed by phase: test_time_phases.py PROGRAM [MPIEXEC]"""
 
 import subprocess
 import sys
@@ -19,16 +19,16 @@ PHASES = ("predict", "detect", "assemble", "solve", "update", "measure")
 
 
 class TimePhases(ProgramCase):
-    def table(self, name):
-        """Columns of the one row that the driver prints for a small scene, by their names."""
+    def rows(self, name, *more):
+        """Rows that the driver prints for a small scene, each its columns by their names."""
         words = [sys.executable, HERE / "time_phases.py", self.program, HERE.parents[1] / f"input_decks/engines/{name}.toml",
-                 "--steps", "5", "--rounds", "1", "--sweeps", "2", "4"]
+                 "--steps", "5", "--rounds", "1", "--sweeps", "2", "4", *more]
         for key, value in (SMALL[name] | {"time.steps": 1200, "restart.every": 1200}).items():
             words += ["--set", f"{key}={value}"]
         done = subprocess.run(list(map(str, words)), cwd=self.place, capture_output=True, text=True, timeout=self.timeout)
         self.assertEqual(done.returncode, 0, done.stderr)
-        head, _, row = ([cell.strip() for cell in line.strip("|").split("|")] for line in done.stdout.splitlines())
-        return dict(zip(head, row, strict=True))
+        head, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in done.stdout.splitlines())
+        return [dict(zip(head, row, strict=True)) for row in rows]
 
     def test_scenes_rest_and_phases_are_there(self):
         if not self.has_hdf5():
@@ -36,7 +36,7 @@ class TimePhases(ProgramCase):
         # Random polyhedra are hulls.
         for name in SMALL if self.has_library("Qhull") else SMALL.keys() - {"polyhedra"}:
             with self.subTest(scene=name):
-                row = self.table(name)
+                (row,) = self.rows(name)
                 carry, contacts = int(row["that carry"]), int(row["contacts"])
                 # A grain at rest touches two others or more, few of which touch in more than one point.
                 self.assertGreaterEqual(carry, 60)
@@ -49,6 +49,17 @@ class TimePhases(ProgramCase):
                 for phase in PHASES:
                     self.assertGreaterEqual(float(row[phase]), 0, phase)
                 self.assertGreater(float(row["step"]), 0)
+
+    def test_ranks_side_by_side(self):
+        if not self.has_hdf5():
+            self.skipTest("no restart files without HDF5")
+        if self.launcher is None:
+            self.skipTest("no MPI")
+        one, two = self.rows("disks", "--launcher", self.launcher, "--ranks", "1", "2")
+        self.assertEqual([one["program"], two["program"]], ["splitgrain", "splitgrain, 2 ranks"])
+        self.assertEqual(one["contacts"], two["contacts"])
+        for row in (one, two):
+            self.assertGreater(float(row["step"]), 0)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""CPU milliseconds per step by phase, of scenes at rest: time_phases.py PROGRAM [PROGRAM...] [DECK.toml...]
+"""Milliseconds per step by phase, of scenes at rest: time_phases.py PROGRAM [PROGRAM...] [DECK.toml...]
 
 Each deck, by default those of `input_decks/engines`, runs once by its own settings until its grains rest; that state stays in
 the folder of states. Every program then goes on from it, in turns, by steps of a fixed number of plain sweeps: a few of them,
 and some more, from which follow the cost of a sweep and the fixed cost of a solve in sweeps. Every step is recorded, so that
 `measure` is the cost of a recorded step; `step` leaves it out, as it leaves out the output. Of several rounds the one with the
-least CPU time counts. Tables are in Markdown.
+least time counts. Times are CPU times; with `--ranks` or `--threads` each program runs on each of the numbers given, in turns too,
+and times are by the clock, of the first rank. Tables are in Markdown.
 """
 
 import argparse
@@ -23,10 +24,25 @@ TIMED = {"solver.method": '"nlgs"', "solver.tolerance": "1e-40", "output.record_
 FIRST_STEPS = 10
 
 
-def run(program, deck, results, settings, *words):
+class Variant:
+    """A program on a number of ranks and threads, and the clock that times it: `cpu` or `wall`."""
+
+    def __init__(self, program, launcher="", ranks=1, threads=1, clock="cpu"):
+        self.words = [launcher, "--oversubscribe", "-n", str(ranks), program] if ranks > 1 else [program]
+        self.settings = {"solver.threads": threads, "solver.order": "coloured"} if threads > 1 else {}
+        self.clock = clock
+        self.name = ", ".join([Path(program).name, *count(ranks, "rank"), *count(threads, "thread")])
+
+
+def count(number, what):
+    """A number of things in words, unless it is one."""
+    return [f"{number} {what}s"] if number > 1 else []
+
+
+def run(variant, deck, results, settings, *words):
     """Run a deck with settings laid over it, for a folder of results that it may replace."""
-    command = [program, "run", str(deck), "--quiet", "--force", "--output", str(results), *words]
-    for key, value in settings.items():
+    command = [*variant.words, "run", str(deck), "--quiet", "--force", "--output", str(results), *words]
+    for key, value in (settings | variant.settings).items():
         command += ["--set", f"{key}={value}"]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode:
@@ -34,34 +50,37 @@ def run(program, deck, results, settings, *words):
     return json.loads((results / "run.json").read_text())
 
 
-def settle(program, deck, state, settings):
+def settle(variant, deck, state, settings):
     """The state of a deck at its end, by its own settings, made unless it is there."""
     summary = state / "run.json"
     if summary.exists() and json.loads(summary.read_text())["status"] == "done":
         return json.loads(summary.read_text())
-    return run(program, deck, state, settings)
+    return run(variant, deck, state, settings)
 
 
-def time_steps(program, deck, state, settings, sweeps, steps):
-    """Go on from a state: CPU milliseconds per step of each phase, and the last row of the record."""
+def time_steps(variant, deck, state, settings, sweeps, steps):
+    """Go on from a state: milliseconds per step of each phase, and the last row of the record."""
     done = json.loads((state / "run.json").read_text())["steps"]
     more = {"solver.maximum_sweeps": sweeps, "solver.check_every": sweeps, "time.steps": done + FIRST_STEPS + steps}
     results = state.with_name(state.name + ".timed")
-    run(program, deck, results, TIMED | settings | more, "--restart", str(state))
+    run(variant, deck, results, TIMED | settings | more, "--restart", str(state))
     with open(results / "record.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if int(row["step"]) >= done + FIRST_STEPS]
     first, last = rows[0], rows[-1]
-    phases = {name: 1e3 * (float(last[f"cpu_{name}"]) - float(first[f"cpu_{name}"])) / steps for name in (*PHASES, "measure")}
+    phases = {}
+    for name in (*PHASES, "measure"):
+        column = f"{variant.clock}_{name}"
+        phases[name] = 1e3 * (float(last[column]) - float(first[column])) / steps
     return phases | {"step": sum(phases[name] for name in PHASES)}, last
 
 
-def measure(programs, deck, state, settings, sweeps, steps, rounds):
-    """Rows of a table, one per program: phases of the cheapest round, cost of a sweep, fixed cost of a solve in sweeps."""
-    best = [{} for _ in programs]
+def measure(variants, deck, state, settings, sweeps, steps, rounds):
+    """Rows of a table, one per variant: phases of the cheapest round, cost of a sweep, fixed cost of a solve in sweeps."""
+    best = [{} for _ in variants]
     for _ in range(rounds):
-        for program, row in zip(programs, best):
+        for variant, row in zip(variants, best):
             for n in sweeps:
-                phases, record = time_steps(program, deck, state, settings, n, steps)
+                phases, record = time_steps(variant, deck, state, settings, n, steps)
                 if n not in row or phases["step"] < row[n]["step"]:
                     row[n] = phases
                 if n == sweeps[0]:
@@ -73,10 +92,10 @@ def measure(programs, deck, state, settings, sweeps, steps, rounds):
     return best
 
 
-def line(deck, program, row, sweeps, radius):
-    """One program's row of a table."""
+def line(deck, variant, row, sweeps, radius):
+    """One variant's row of a table."""
     record, phases = row["record"], row[sweeps[0]]
-    texts = [deck.stem, Path(program).name, f"{int(record['contacts']):,}", f"{int(record['active_contacts']):,}"]
+    texts = [deck.stem, variant.name, f"{int(record['contacts']):,}", f"{int(record['active_contacts']):,}"]
     texts += [f"{phases[name]:.2f}" for name in (*PHASES, "step", "measure")]
     texts += [f"{row['sweep']:.3f}", f"{row['fixed']:.1f}"]
     texts += [f"{float(record['mean_velocity']):.1e}", f"{float(record['mean_penetration']) / radius:.1e}"]
@@ -90,20 +109,26 @@ def main():
     parser.add_argument("--steps", type=int, default=40, help="steps that are timed")
     parser.add_argument("--sweeps", type=int, nargs=2, default=(8, 48), help="sweeps per step: few and many")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--ranks", type=int, nargs="+", default=[1], help="numbers of ranks")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1], help="numbers of threads of each rank")
+    parser.add_argument("--launcher", default="mpiexec", help="what starts several ranks")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="setting of all runs")
     chosen = parser.parse_args()
     decks = [Path(name) for name in chosen.files if name.endswith(".toml")] or sorted(DECKS.glob("*.toml"))
     programs = [str(Path(name).resolve()) for name in chosen.files if not name.endswith(".toml")]
+    clock = "wall" if max(chosen.ranks + chosen.threads) > 1 else "cpu"
+    variants = [Variant(program, chosen.launcher, ranks, threads, clock) for program in programs for ranks in chosen.ranks
+                for threads in chosen.threads]
     settings = dict(text.split("=", 1) for text in chosen.set)
     columns = ["scene", "program", "contacts", "that carry", *PHASES, "step", "measure", "ms per sweep", "fixed, sweeps",
                "mean speed, m/s", "mean overlap / r", "floor share"]
     print("| " + " | ".join(columns) + " |\n" + "|---" * len(columns) + "|", flush=True)
     for deck in decks:
         state = Path(chosen.states) / deck.stem
-        radius = settle(programs[0], deck, state, settings)["mean_radius"]
-        rows = measure(programs, deck, state, settings, chosen.sweeps, chosen.steps, chosen.rounds)
-        for program, row in zip(programs, rows):
-            print(line(deck, program, row, chosen.sweeps, radius), flush=True)
+        radius = settle(Variant(programs[0]), deck, state, settings)["mean_radius"]
+        rows = measure(variants, deck, state, settings, chosen.sweeps, chosen.steps, chosen.rounds)
+        for variant, row in zip(variants, rows):
+            print(line(deck, variant, row, chosen.sweeps, radius), flush=True)
 
 
 if __name__ == "__main__":
