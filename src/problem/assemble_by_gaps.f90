@@ -43,8 +43,8 @@ contains
     real(wp), intent(in) :: time_step !! length of the step [s]
     logical, intent(in) :: goes_on !! are slots and impulses those of these contacts already, as the substep before left them?
     type(problem_t), intent(inout) :: problem !! its bodies are set; its contacts are set
-    real(wp) :: bias(chunk), friction(chunk), q(3, chunk), opening(chunk), square, squares, fastest
-    integer :: first, last, n, i, j
+    real(wp) :: bias(chunk), friction(chunk), q(3, chunk), opening(chunk), squares, fastest
+    integer :: first, last, n
 
     squares = 0
     fastest = 0
@@ -70,21 +70,34 @@ contains
           call assemble_solids(scene, contacts, first, n, bias, friction, goes_on, problem, q, opening)
         end select
       end associate
-      do i = 1, n
-        square = 0
-        do j = 1, 3
-          square = square + q(j, i)**2
-        end do
-        squares = squares + square
-        problem%most_friction = max(problem%most_friction, friction(i))
-        ! The norm has divisions: it is taken where it may be the largest so far.
-        if (.not. (opening(i) < 0 .and. square >= fastest)) cycle
-        problem%closing_speed = max(problem%closing_speed, norm2(q(:, i)))
-        fastest = problem%closing_speed**2*(1 - 8*epsilon(1.0_wp))
-      end do
+      call add_free_velocities(n, q, opening, friction, squares, fastest, problem%closing_speed, problem%most_friction)
     end do
     problem%free_norm = sqrt(squares)
   end subroutine assemble_by_gaps
+
+  !> Add the squares of free relative velocities of a chunk of contacts, and look for its largest closing speed and friction.
+  pure subroutine add_free_velocities(n, q, opening, friction, squares, fastest, closing_speed, most_friction)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: q(3, n), opening(n), friction(n)
+    real(wp), intent(inout) :: squares, fastest, closing_speed, most_friction
+    real(wp) :: square(chunk)
+    integer :: i
+
+    do i = 1, n
+      square(i) = q(1, i)**2 + q(2, i)**2 + q(3, i)**2
+    end do
+    do i = 1, n
+      squares = squares + square(i)
+    end do
+    if (count(friction > most_friction) > 0) most_friction = maxval(friction)
+    if (count(opening < 0 .and. square(:n) >= fastest) == 0) return
+    do i = 1, n
+      ! The norm has divisions: it is taken where it may be the largest so far.
+      if (.not. (opening(i) < 0 .and. square(i) >= fastest)) cycle
+      closing_speed = max(closing_speed, norm2(q(:, i)))
+      fastest = closing_speed**2*(1 - 8*epsilon(1.0_wp))
+    end do
+  end subroutine add_free_velocities
 
   !> Slots and impulses of a chunk of contacts.
   pure subroutine put_pairs(slot_of, contacts, first, last, problem)
@@ -109,25 +122,25 @@ contains
     real(wp), intent(in) :: time_step
     real(wp), intent(out) :: bias(chunk), friction(chunk)
     real(wp) :: shift, lowest
-    integer :: i, k, l
-    logical :: has_reference
+    integer :: i, l, last
 
-    l = 0
-    shift = 0
-    lowest = 0
-    has_reference = .false.
-    do i = 1, n
-      k = first + i - 1
-      if (contacts%law(k) /= l) then
-        l = contacts%law(k)
-        shift = merge(scene%laws(l)%gap_shift, 0.0_wp, scene%laws(l)%kind == law_gap_shifted)
-        lowest = merge(0.0_wp, -huge(1.0_wp), any(scene%laws(l)%kind == [law_iqs, law_iqs_g0]))
-        has_reference = any(scene%laws(l)%kind == [law_iqs_g0, law_gap_g0]) .and. contacts%n_internal > 0
-      end if
-      friction(i) = scene%laws(l)%dynamic_friction
-      bias(i) = contacts%gap(k) + shift
-      if (has_reference) bias(i) = bias(i) - contacts%internal(1, k)
-      bias(i) = max(lowest, bias(i)/time_step)
+    i = 0
+    do while (i < n)
+      ! Contacts of one law stand side by side, mostly all of a chunk.
+      l = contacts%law(first + i)
+      last = i + 1
+      do while (last < n)
+        if (contacts%law(first + last) /= l) exit
+        last = last + 1
+      end do
+      shift = merge(scene%laws(l)%gap_shift, 0.0_wp, scene%laws(l)%kind == law_gap_shifted)
+      lowest = merge(0.0_wp, -huge(1.0_wp), any(scene%laws(l)%kind == [law_iqs, law_iqs_g0]))
+      friction(i + 1:last) = scene%laws(l)%dynamic_friction
+      bias(i + 1:last) = contacts%gap(first + i:first + last - 1) + shift
+      if (any(scene%laws(l)%kind == [law_iqs_g0, law_gap_g0]) .and. contacts%n_internal > 0) &
+        bias(i + 1:last) = bias(i + 1:last) - contacts%internal(1, first + i:first + last - 1)
+      bias(i + 1:last) = max(lowest, bias(i + 1:last)/time_step)
+      i = last
     end do
   end subroutine find_biases
 
