@@ -10,10 +10,11 @@
 !!
 !! Impulses, statuses and internal values stay: they are the guess and the past of the next solve.
 module sg_carry
-  use sg_contactors, only: kind_cylinder, kind_disk, kind_point, kind_sphere, place_contactors
+  use sg_carry_loops, only: chunk, follow_faces, measure_disks, measure_spheres, turn_by
+  use sg_contactors, only: kind_cylinder, kind_disk, kind_point, kind_polygon, kind_sphere, place_contactors
   use sg_contacts, only: contacts_t
   use sg_detect, only: turn_link
-  use sg_follow, only: face_of, follow_in_plane, follow_in_space, follows
+  use sg_follow, only: face_of, follow_in_space, follows
   use sg_kinds, only: wp, i1, i4, i8
   use sg_link_laws, only: pulls_only
   use sg_lists, only: reserve, room_for
@@ -31,22 +32,21 @@ module sg_carry
 
   !> Alert distance of a pair that is measured again: none [m]
   real(wp), parameter :: far = 1e100_wp
-  !> Distance of centres that gives a normal [m]
-  real(wp), parameter :: least = sqrt(tiny(1.0_wp))
-  !> Contacts of a pass: what several loops need of them stays in the first cache
-  integer, parameter :: chunk = 128
+  !> Ways to carry a contact: one by one, with its neighbours as two disks or two spheres, or with them as following in the plane
+  integer(i1), parameter :: by_itself = 0, by_centres = 1, by_faces = 2
 
   !> What carries contacts between the substeps of a step
   type :: carry_t
     !> Body whose face each contact lies on, one of `face_of_*`, shape (contacts); not allocated where no scene has followers
     integer(i1), allocatable, private :: face(:)
-    !> Is each contact one of two disks, in space of two spheres (1), or not (0)? Shape (contacts)
-    integer(i1), allocatable, private :: is_round(:)
+    !> How each contact is carried, one of `by_*`, shape (contacts); not allocated where all are carried one by one
+    integer(i1), allocatable, private :: way(:)
     !> Configuration of the last substep, as `middle` of the bodies, and the turn of each body since: cosine and sine, in space a
     !! quaternion, shape (2 or 4, bodies)
     real(wp), allocatable, private :: before(:, :), turn(:, :)
-    !> Are there contacts that the narrow phase measures again, some of round shapes, and contacts whose points follow their bodies?
-    logical, private :: has_measured = .false., has_round = .false., has_followers = .false.
+    !> Are there contacts that the narrow phase measures again, contacts whose points follow their bodies, and runs of either that
+    !! are carried together?
+    logical, private :: has_measured = .false., has_followers = .false., has_runs = .false.
   contains
     procedure :: begin => carry_begin
     procedure :: move => carry_move
@@ -65,15 +65,15 @@ contains
 
     self%has_followers = .false.
     self%has_measured = .false.
-    self%has_round = .false.
+    self%has_runs = .false.
     do k = 1, contacts%n
       associate (kind => scene%contactors%kind(contacts%contactor(1, k)))
         self%has_followers = self%has_followers .or. follows(kind) .or. kind == kind_cylinder
         self%has_measured = self%has_measured .or. .not. follows(kind)
-        self%has_round = self%has_round .or. kind == kind_disk .or. kind == kind_sphere
+        self%has_runs = self%has_runs .or. any(kind == [kind_disk, kind_sphere, kind_polygon])
       end associate
     end do
-    if (self%has_round) call mark_round(self, scene, contacts)
+    if (self%has_runs) call find_ways(self, scene, contacts)
     if (.not. self%has_followers) return
     call reserve(self%face, contacts%n)
     do k = 1, contacts%n
@@ -86,21 +86,22 @@ contains
     self%before = scene%bodies%middle
   end subroutine carry_begin
 
-  !> Mark the contacts between two disks or two spheres.
-  subroutine mark_round(self, scene, contacts)
+  !> Find how each contact is carried.
+  subroutine find_ways(self, scene, contacts)
     class(carry_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer :: k
 
-    call reserve(self%is_round, contacts%n)
+    call reserve(self%way, contacts%n)
     do k = 1, contacts%n
       associate (kind_c => scene%contactors%kind(contacts%contactor(1, k)), &
                  kind_a => scene%contactors%kind(contacts%contactor(2, k)))
-        self%is_round(k) = merge(1_i1, 0_i1, kind_c == kind_a .and. (kind_c == kind_disk .or. kind_c == kind_sphere))
+        self%way(k) = merge(by_centres, by_itself, kind_c == kind_a .and. (kind_c == kind_disk .or. kind_c == kind_sphere))
+        if (kind_c == kind_polygon) self%way(k) = by_faces
       end associate
     end do
-  end subroutine mark_round
+  end subroutine find_ways
 
   !> Bring all contacts to where their bodies are now.
   subroutine carry_move(self, scene, contacts, places_shapes, is_fast)
@@ -115,13 +116,17 @@ contains
     if (self%has_followers) call find_turns(self, scene)
     k = 1
     do while (k <= contacts%n)
-      last = last_of_round(self, k, contacts%n)
+      last = last_alike(self, k, contacts%n)
       if (last < k) then
         call move_any(self, scene, contacts, k)
         k = k + 1
         cycle
       end if
-      if (scene%dimension == 2) then
+      if (self%way(k) == by_faces) then
+        call follow_faces(last - k + 1, size(self%before, 1), scene%bodies%n, self%face(k:last), contacts%body(:, k:last), &
+                          contacts%image(k:last), scene%period, self%before, scene%bodies%middle, self%turn, &
+                          contacts%normal(:, k:last), contacts%point(:, k:last), contacts%gap(k:last))
+      else if (scene%dimension == 2) then
         call measure_disks(last - k + 1, contacts%contactor(:, k:last), contacts%image(k:last), scene%period, &
                            scene%contactors%n, scene%contactors%centre, scene%contactors%reach, contacts%normal(:, k:last), &
                            contacts%point(:, k:last), contacts%gap(k:last))
@@ -136,18 +141,19 @@ contains
     if (self%has_followers .and. is_fast) call part(scene, contacts)
   end subroutine carry_move
 
-  !> Last contact of a run of round contacts, of a chunk at most, that begins with a contact; the one before for none.
-  pure integer function last_of_round(self, first, n) result(last)
+  !> Last contact of a run, of a chunk at most, that begins with a contact and is carried together; the one before for none.
+  pure integer function last_alike(self, first, n) result(last)
     type(carry_t), intent(in) :: self
     integer, intent(in) :: first, n
 
     last = first - 1
-    if (.not. self%has_round) return
+    if (.not. self%has_runs) return
+    if (self%way(first) == by_itself) return
     do while (last < min(n, first + chunk - 1))
-      if (self%is_round(last + 1) == 0_i1) exit
+      if (self%way(last + 1) /= self%way(first)) exit
       last = last + 1
     end do
-  end function last_of_round
+  end function last_alike
 
   !> Let shapes whose circles or spheres are apart touch, if at all, as these do: the face that a body has left ends somewhere.
   pure subroutine part(scene, contacts)
@@ -196,21 +202,20 @@ contains
     integer :: b, n
 
     n = scene%dimension
-    if (size(self%before, 1) == n) return
-    if (.not. allocated(self%turn)) allocate (self%turn(merge(2, 4, n == 2), scene%bodies%n))
-    if (size(self%turn, 2) /= scene%bodies%n) then
-      deallocate (self%turn)
-      allocate (self%turn(merge(2, 4, n == 2), scene%bodies%n))
+    if (allocated(self%turn)) then
+      if (size(self%turn, 2) /= scene%bodies%n) deallocate (self%turn)
     end if
-    associate (middle => scene%bodies%middle, before => self%before)
+    if (.not. allocated(self%turn)) allocate (self%turn(merge(2, 4, n == 2), scene%bodies%n))
+    associate (middle => scene%bodies%middle, before => self%before, turn => self%turn)
       do b = 1, scene%bodies%n
-        if (n == 2) then
-          self%turn(1, b) = cos(middle(3, b) - before(3, b))
-          self%turn(2, b) = sin(middle(3, b) - before(3, b))
+        if (size(before, 1) == n) then
+          turn(:, b) = no_rotation(:size(turn, 1))
+        else if (n == 2) then
+          turn(:, b) = turn_by(middle(3, b) - before(3, b))
         else
-          self%turn(:, b) = no_rotation
+          turn(:, b) = no_rotation
           if (any(abs(middle(4:7, b) - before(4:7, b)) > 0)) &
-            self%turn(:, b) = quaternion_product(middle(4:7, b), [before(4, b), -before(5:7, b)])
+            turn(:, b) = quaternion_product(middle(4:7, b), [before(4, b), -before(5:7, b)])
         end if
       end do
     end associate
@@ -222,111 +227,21 @@ contains
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(inout) :: contacts
     integer, intent(in) :: k
-    real(wp) :: before(3), now(3), turn(4, 2)
-    integer :: n
+    real(wp) :: offset(3)
 
-    n = scene%dimension
-    turn = 0
-    turn(1, :) = 1
-    associate (c => contacts%body(1, k), a => contacts%body(2, k), middle => scene%bodies%middle)
-      ! The antagonist's, in the contact's periodic image. Numbers one by one: arrays of variable length ask for memory.
-      before(1:n) = self%before(1:n, a)
-      before(1) = before(1) + scene%period*real(contacts%image(k), wp)
-      now(1:n) = middle(1:n, a)
-      now(1) = now(1) + scene%period*real(contacts%image(k), wp)
-      if (n == 2) then
-        if (allocated(self%turn)) then
-          turn(1:2, 1) = self%turn(1:2, c)
-          turn(1:2, 2) = self%turn(1:2, a)
-        end if
-        call follow_in_plane(self%face(k), self%before(1:2, c), before(1:2), middle(1:2, c), now(1:2), turn(1:2, 1), turn(1:2, 2), &
-                             contacts%normal(1:2, k), contacts%point(1:2, k), contacts%gap(k))
-      else
-        before(2) = before(2) + scene%period_y*real(contacts%image_y(k), wp)
-        now(2) = now(2) + scene%period_y*real(contacts%image_y(k), wp)
-        if (allocated(self%turn)) then
-          turn(:, 1) = self%turn(1:4, c)
-          turn(:, 2) = self%turn(1:4, a)
-        end if
-        call follow_in_space(self%face(k), self%before(1:3, c), before, middle(1:3, c), now, turn(:, 1), turn(:, 2), &
-                             contacts%normal(1:3, k), contacts%point(1:3, k), contacts%gap(k))
-      end if
+    if (scene%dimension == 2) then
+      call follow_faces(1, size(self%before, 1), scene%bodies%n, self%face(k:k), contacts%body(:, k:k), contacts%image(k:k), &
+                        scene%period, self%before, scene%bodies%middle, self%turn, contacts%normal(:, k:k), &
+                        contacts%point(:, k:k), contacts%gap(k:k))
+      return
+    end if
+    offset = offset_of(scene, contacts, k)
+    associate (c => contacts%body(1, k), a => contacts%body(2, k), before => self%before, middle => scene%bodies%middle, &
+               turn => self%turn)
+      call follow_in_space(self%face(k), before(1:3, c), before(1:3, a) + offset, middle(1:3, c), middle(1:3, a) + offset, &
+                           turn(:, c), turn(:, a), contacts%normal(:, k), contacts%point(:, k), contacts%gap(k))
     end associate
   end subroutine follow
-
-  !> Measure a run of contacts between disks again: nearly all contacts of many scenes. Where two centres coincide the normal stays.
-  pure subroutine measure_disks(n, contactor, image, period, n_contactors, centre, reach, normal, point, gap)
-    integer, intent(in) :: n, n_contactors
-    integer(i4), intent(in) :: contactor(2, n)
-    integer(i1), intent(in) :: image(n)
-    real(wp), intent(in) :: period, centre(2, n_contactors), reach(n_contactors)
-    real(wp), intent(inout) :: normal(2, n), point(2, n), gap(n)
-    real(wp) :: x(chunk), y(chunk), distance(chunk), place
-    integer :: i
-
-    ! Gathers are faster number by number.
-    !GCC$ NOVECTOR
-    do i = 1, n
-      x(i) = centre(1, contactor(1, i)) - centre(1, contactor(2, i)) - period*real(image(i), wp)
-      y(i) = centre(2, contactor(1, i)) - centre(2, contactor(2, i))
-    end do
-    ! Side by side, so that roots and quotients go through vector registers.
-    do i = 1, n
-      distance(i) = sqrt(x(i)**2 + y(i)**2)
-    end do
-    if (minval(distance(:n)) > least) then
-      do i = 1, n
-        x(i) = x(i)/distance(i)
-        y(i) = y(i)/distance(i)
-      end do
-    else
-      do i = 1, n
-        x(i) = merge(x(i)/max(distance(i), least), normal(1, i), distance(i) > least)
-        y(i) = merge(y(i)/max(distance(i), least), normal(2, i), distance(i) > least)
-      end do
-    end if
-    !GCC$ NOVECTOR
-    do i = 1, n
-      associate (c => contactor(1, i), a => contactor(2, i))
-        normal(1, i) = x(i)
-        normal(2, i) = y(i)
-        gap(i) = distance(i) - (reach(c) + reach(a))
-        place = reach(c) + gap(i)/2
-        point(1, i) = centre(1, c) - place*x(i)
-        point(2, i) = centre(2, c) - place*y(i)
-      end associate
-    end do
-  end subroutine measure_disks
-
-  !> The same of spheres.
-  pure subroutine measure_spheres(n, contactor, image, image_y, period, n_contactors, centre, reach, normal, point, gap)
-    integer, intent(in) :: n, n_contactors
-    integer(i4), intent(in) :: contactor(2, n)
-    integer(i1), intent(in) :: image(n), image_y(n)
-    real(wp), intent(in) :: period(2), centre(3, n_contactors), reach(n_contactors)
-    real(wp), intent(inout) :: normal(3, n), point(3, n), gap(n)
-    real(wp) :: x, y, z, distance, place
-    integer :: i
-
-    do i = 1, n
-      associate (c => contactor(1, i), a => contactor(2, i))
-        x = centre(1, c) - centre(1, a) - period(1)*real(image(i), wp)
-        y = centre(2, c) - centre(2, a) - period(2)*real(image_y(i), wp)
-        z = centre(3, c) - centre(3, a)
-        distance = sqrt(x**2 + y**2 + z**2)
-        if (distance > least) then
-          normal(1, i) = x/distance
-          normal(2, i) = y/distance
-          normal(3, i) = z/distance
-        end if
-        gap(i) = distance - (reach(c) + reach(a))
-        place = reach(c) + gap(i)/2
-        point(1, i) = centre(1, c) - place*normal(1, i)
-        point(2, i) = centre(2, c) - place*normal(2, i)
-        point(3, i) = centre(3, c) - place*normal(3, i)
-      end associate
-    end do
-  end subroutine measure_spheres
 
   !> Measure the pair of a contact again by the narrow phase. A cylinder may have lost the point: then it follows its bodies.
   pure subroutine measure(scene, contacts, k, is_measured)
@@ -404,7 +319,7 @@ contains
 
     call tables%begin('carry', per_contact)
     call tables%note('face', self%face)
-    call tables%note('is_round', self%is_round)
+    call tables%note('way', self%way)
     call tables%begin('carry', per_body)
     call tables%note('before', self%before)
     call tables%note('turn', self%turn)
@@ -415,7 +330,7 @@ contains
     class(carry_t), intent(in) :: self
     integer, intent(in) :: n_contacts !! contacts of a step
 
-    bytes = growth_of(self%face, n_contacts) + growth_of(self%is_round, n_contacts)
+    bytes = growth_of(self%face, n_contacts) + growth_of(self%way, n_contacts)
   end function carry_growth
 
   !> That of one list of bytes.
