@@ -17,7 +17,10 @@ module sg_left_out
   use sg_way_of_step, only: way_of_solution
   implicit none
   private
-  public :: has_left_out
+  public :: has_left_out, widen_thrown
+
+  !> Multiple of the change of its motion up to which pairs of a shape are sought when a step is solved again
+  real(wp), parameter :: times_change = 2
 
 contains
 
@@ -61,6 +64,27 @@ contains
       if (has_left_out) return
     end do
   end function has_left_out
+
+  !> Let pairs of shapes whose motion the solution has changed be sought farther, for the step to be solved again.
+  subroutine widen_thrown(scene, pairs, velocity, slot_of, turns)
+    type(scene_t), intent(in) :: scene !! scene with its free velocities
+    type(neighbours_t), intent(inout) :: pairs !! list of neighbours with reduced alert distances; its motion is set
+    real(wp), intent(in), contiguous :: velocity(:, :) !! records of the bodies of the solution, as for `has_left_out`
+    integer(i4), intent(in), contiguous :: slot_of(:) !! slot of each body
+    logical, intent(in) :: turns !! as for `has_left_out`
+    real(wp), allocatable :: motion(:, :)
+    real(wp) :: change
+    integer :: c, n
+
+    if (.not. pairs%is_by_pair) call find_free_motion(scene, pairs)
+    pairs%is_by_pair = .true.
+    call find_motion(scene, velocity, turns, pairs%time_step, motion, slot_of)
+    n = scene%dimension
+    do c = 1, size(motion, 2)
+      change = norm2(motion(:n, c) - pairs%motion(:n, c)/times) + max(0.0_wp, motion(n + 1, c) - pairs%motion(n + 1, c)/times)
+      pairs%motion(n + 1, c) = pairs%motion(n + 1, c) + times_change*change
+    end do
+  end subroutine widen_thrown
 
   !> Has the motion of a shape changed so much that its pairs may come nearer to each other than was looked?
   !!

@@ -14,7 +14,7 @@ module sg_advance
   use sg_gap_laws, only: laws_look_at_gaps
   use sg_guard, only: find_broken
   use sg_kinds, only: wp, i1, i4
-  use sg_left_out, only: has_left_out
+  use sg_left_out, only: has_left_out, widen_thrown
   use sg_limits, only: check_limits
   use sg_link_contacts, only: finish_links
   use sg_motion, only: move_with_cell, predict, update
@@ -38,6 +38,9 @@ module sg_advance
   implicit none
   private
   public :: advance
+
+  !> Solves of a step at most before the one in which all pairs have the whole alert distance
+  integer, parameter :: most_reduced = 3
 
 contains
 
@@ -106,7 +109,12 @@ contains
     way = way_of_solution(sim%scene, sim%problem%body, sim%pairs%slot_of, .not. sim%plan%is_round, sim%options%time_step)
     call sim%comm%maximum(way)
     sim%pairs%way = max(sim%pairs%way, way)
-    sim%pairs%is_reduced = .false.
+    sim%pairs%n_reduced = sim%pairs%n_reduced + 1
+    if (sim%pairs%n_reduced < most_reduced .and. sim%substep == 1) then
+      call widen_thrown(sim%scene, sim%pairs, sim%problem%body, sim%pairs%slot_of, .not. sim%plan%is_round)
+    else
+      sim%pairs%is_reduced = .false.
+    end if
     ! Copies of a rank's halo have moved since their margin was looked at: a list that must be made now is for this step alone.
     if (sim%comm%size > 1) sim%pairs%asked_skin = tiny(1.0_wp)
     ! The dump of this problem, which was too small, makes room for that of the next.
@@ -154,6 +162,7 @@ contains
       sim%pairs%way = way_of_step(sim%scene, h, options%substeps)
       call sim%comm%maximum(sim%pairs%way)
       sim%pairs%is_reduced = .false.
+      sim%pairs%n_reduced = 0
       if (can_look_again(sim)) call reduce_alerts(sim%scene, options%time_step, sim%pairs)
       call sim%decomposition%update(sim%scene, sim%pairs, sim%history, sim%contacts, h, sim%comm, is_rebuilt, error)
       if (allocated(error) .or. .not. is_rebuilt) return

@@ -59,6 +59,8 @@ module sg_neighbours
     real(wp), allocatable :: motion(:, :)
     !> Does the solution of the step close a contact that a reduced alert distance has left out?
     logical :: is_too_short = .false.
+    !> Solves of the step whose reduced distances were too short
+    integer :: n_reduced = 0
     !> Substeps from one detection to the next
     integer :: substeps = 1
     !> Do corners of polygons wait in a detection until a pair needs them?
