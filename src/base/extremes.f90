@@ -4,12 +4,31 @@ module sg_extremes
   use sg_kinds, only: wp
   implicit none
   private
-  public :: largest_magnitude, lowest_value
+  public :: are_finite, largest_magnitude, lowest_value
 
   !> Values that are compared at once: two vector registers of the widest kind
   integer, parameter :: lanes = 16
 
 contains
+
+  !> Are all values finite numbers?
+  pure logical function are_finite(n, values)
+    integer, intent(in) :: n !! number of values
+    real(wp), intent(in) :: values(n) !! the values
+    real(wp) :: broken(lanes)
+    integer :: i, j
+
+    broken = 0
+    do i = 0, n - lanes, lanes
+      do j = 1, lanes
+        broken(j) = merge(broken(j), 1.0_wp, abs(values(i + j)) <= huge(1.0_wp))
+      end do
+    end do
+    are_finite = .not. any(broken > 0)
+    do i = n - modulo(n, lanes) + 1, n
+      are_finite = are_finite .and. abs(values(i)) <= huge(1.0_wp)
+    end do
+  end function are_finite
 
   !> Largest absolute value; zero of an empty list. Values that are not numbers are passed over.
   pure real(wp) function largest_magnitude(n, values) result(largest)

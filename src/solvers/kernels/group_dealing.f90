@@ -25,13 +25,15 @@ module sg_group_dealing
 
 contains
 
-  !> Deal contacts to groups, block by block.
-  pure subroutine deal_blocks(chosen, problem, groups_of, contact)
+  !> Deal contacts to groups, block by block. Where they are swept side by side, groups are counted.
+  pure subroutine deal_blocks(chosen, problem, groups_of, contact, n_groups, group_size)
     integer(i4), intent(in), contiguous :: chosen(:) !! contacts to deal, in spatial order
     type(problem_t), intent(in) :: problem !! problem to sweep
     integer(i8), intent(inout) :: groups_of(:) !! room, by slot; zero before and after
     integer(i4), intent(inout), contiguous :: contact(:) !! the same contacts, group by group
-    integer :: first, last, block_size, width, filled(0:most_groups)
+    integer, intent(inout), optional :: n_groups !! groups so far
+    integer(i4), intent(inout), contiguous, optional :: group_size(:) !! contacts of each
+    integer :: first, last, block_size, width, g, filled(0:most_groups)
 
     block_size = block_arm
     width = width_arm
@@ -42,6 +44,10 @@ contains
     do first = 1, size(chosen), block_size
       last = min(size(chosen), first + block_size - 1)
       call deal_block(chosen(first:last), problem, width, groups_of, contact(first:last), filled)
+      if (.not. present(n_groups)) cycle
+      do g = 0, most_groups
+        call note_group(filled(g), g == most_groups, n_groups, group_size)
+      end do
     end do
   end subroutine deal_blocks
 

@@ -1,81 +1,127 @@
 !> What contacts were dealt to groups by: where the next problem has the same, it has the same groups.
+!!
+!! Lists are compared whole, without a branch per contact: pairs of all contacts, marks of those chosen, and of bodies that move.
 module sg_kept_dealing
-  use sg_kinds, only: i4
+  use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
-  use sg_records, only: first_inverse
+  use sg_records, only: body_length, first_inverse
   implicit none
   private
   public :: kept_dealing_t, is_movable
 
   !> The last dealing of all contacts of an order at once
   type :: kept_dealing_t
-    !> Contacts, none where no dealing is kept, and kind of their problem
+    !> Contacts dealt, none where no dealing is kept, and kind of their problem
     integer :: n = 0
     integer, private :: kind = 0
-    !> Groups of balls, groups of solids and rows of solids that came of it
+    !> Contacts and bodies of that problem
+    integer, private :: n_contacts = 0, n_bodies = 0
+    !> Groups in vector registers, groups of solids and rows of solids that came of it
     integer :: groups(3) = 0
-    !> Slots of each contact, negative where nothing moves the body, shape (2, contacts)
+    !> Slots of each contact, shape (2, contacts); was it dealt? shape (contacts)
     integer(i4), allocatable :: slots(:, :)
+    logical, allocatable :: is_dealt(:)
+    !> Can impulses move a body? shape (bodies)
+    logical, allocatable :: moves(:)
   contains
-    procedure :: reserve => kept_dealing_reserve
     procedure :: note => kept_dealing_note
     procedure :: holds => kept_dealing_holds
   end type kept_dealing_t
 
 contains
 
-  !> Room for the contacts of an order; nothing is kept.
-  pure subroutine kept_dealing_reserve(self, contacts)
-    class(kept_dealing_t), intent(inout) :: self
-    integer, intent(in) :: contacts !! at most
-
-    self%n = 0
-    if (allocated(self%slots)) deallocate (self%slots)
-    allocate (self%slots(2, contacts))
-  end subroutine kept_dealing_reserve
-
   !> Note what contacts were dealt by, and to.
-  pure subroutine kept_dealing_note(self, problem, chosen, groups)
+  pure subroutine kept_dealing_note(self, problem, is_dealt, groups)
     class(kept_dealing_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! their problem
-    integer(i4), intent(in), contiguous :: chosen(:) !! contacts in the order in which they were dealt
-    integer, intent(in) :: groups(3) !! groups of balls, groups of solids and rows of solids
-    integer :: i
+    logical, intent(in), contiguous :: is_dealt(:) !! which of its contacts were dealt, shape (contacts)
+    integer, intent(in) :: groups(3) !! groups in vector registers, groups of solids and rows of solids
 
-    self%n = size(chosen)
-    self%kind = problem%kind
-    self%groups = groups
-    do i = 1, size(chosen)
-      self%slots(:, i) = marked_slots(problem, chosen(i))
-    end do
+    call make_room(self, problem%n_contacts, problem%n_bodies)
+    associate (n => problem%n_contacts, m => problem%n_bodies)
+      self%n = count(is_dealt(:n))
+      self%kind = problem%kind
+      self%n_contacts = n
+      self%n_bodies = m
+      self%groups = groups
+      self%slots(:, :n) = problem%pair(:, :n)
+      self%is_dealt(:n) = is_dealt(:n)
+      call find_movable(m, body_length(problem%kind), first_inverse(problem%kind), problem%body, self%moves)
+    end associate
   end subroutine kept_dealing_note
 
+  !> Room for the contacts and bodies of a problem.
+  pure subroutine make_room(self, contacts, bodies)
+    class(kept_dealing_t), intent(inout) :: self
+    integer, intent(in) :: contacts, bodies
+
+    if (allocated(self%slots)) then
+      if (size(self%is_dealt) < contacts .or. size(self%moves) < bodies) deallocate (self%slots, self%is_dealt, self%moves)
+    end if
+    if (allocated(self%slots)) return
+    allocate (self%slots(2, contacts + contacts/8), self%is_dealt(contacts + contacts/8), self%moves(bodies))
+  end subroutine make_room
+
   !> Would the same contacts of a problem be dealt to the same groups?
-  pure logical function kept_dealing_holds(self, problem, chosen) result(holds)
+  pure logical function kept_dealing_holds(self, problem, is_wanted) result(holds)
     class(kept_dealing_t), intent(in) :: self
     type(problem_t), intent(in) :: problem !! problem to sweep
-    integer(i4), intent(in), contiguous :: chosen(:) !! contacts, by number those of the last dealing
-    integer :: i
+    logical, intent(in), contiguous :: is_wanted(:) !! which of its contacts are to be dealt, shape (contacts)
 
-    holds = problem%kind == self%kind
-    do i = 1, size(chosen)
-      if (.not. holds) return
-      holds = all(self%slots(:, i) == marked_slots(problem, chosen(i)))
-    end do
+    holds = self%n > 0 .and. problem%kind == self%kind .and. problem%n_contacts == self%n_contacts &
+            .and. problem%n_bodies == self%n_bodies
+    if (holds) holds = are_same_marks(self%n_contacts, self%is_dealt, is_wanted)
+    if (holds) holds = are_same_slots(2*self%n_contacts, self%slots, problem%pair)
+    if (holds) holds = do_same_move(self%n_bodies, body_length(self%kind), first_inverse(self%kind), problem%body, self%moves)
   end function kept_dealing_holds
 
-  !> Slots of a contact, negative where nothing moves the body.
-  pure function marked_slots(problem, contact) result(slots)
-    type(problem_t), intent(in) :: problem
-    integer(i4), intent(in) :: contact
-    integer(i4) :: slots(2)
-    integer :: side
+  !> Do two lists mark the same?
+  pure logical function are_same_marks(n, one, other)
+    integer, intent(in) :: n
+    logical, intent(in) :: one(n), other(n)
 
-    slots = problem%pair(:, contact)
-    do side = 1, 2
-      if (.not. is_movable(problem, slots(side))) slots(side) = -slots(side)
+    are_same_marks = count(one .neqv. other) == 0
+  end function are_same_marks
+
+  !> Are two lists of slots the same?
+  pure logical function are_same_slots(n, one, other)
+    integer, intent(in) :: n
+    integer(i4), intent(in) :: one(n), other(n)
+    integer(i4) :: differences
+    integer :: i
+
+    differences = 0
+    do i = 1, n
+      differences = ior(differences, ieor(one(i), other(i)))
     end do
-  end function marked_slots
+    are_same_slots = differences == 0
+  end function are_same_slots
+
+  !> Are the bodies that impulses can move those marked?
+  pure logical function do_same_move(n, length, inverse, body, moves)
+    integer, intent(in) :: n, length, inverse
+    real(wp), intent(in) :: body(length, n)
+    logical, intent(in) :: moves(n)
+    integer :: b, differences
+
+    differences = 0
+    do b = 1, n
+      differences = differences + merge(1, 0, (body(inverse, b) > 0 .or. any(body(inverse + 1:, b) > 0)) .neqv. moves(b))
+    end do
+    do_same_move = differences == 0
+  end function do_same_move
+
+  !> Mark the bodies that impulses can move.
+  pure subroutine find_movable(n, length, inverse, body, moves)
+    integer, intent(in) :: n, length, inverse
+    real(wp), intent(in) :: body(length, n)
+    logical, intent(inout) :: moves(n)
+    integer :: b
+
+    do b = 1, n
+      moves(b) = any(body(inverse:, b) > 0)
+    end do
+  end subroutine find_movable
 
   !> Can impulses move a body? Most can move along x: the others are looked at whole.
   pure logical function is_movable(problem, slot)

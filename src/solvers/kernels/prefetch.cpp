@@ -15,17 +15,5 @@ void fetch(const double *first, long reals) {
 }
 }    // namespace
 
-// Records and impulses of a group of eight, and the slots of its bodies.
-extern "C" void sg_prefetch_group(const double *record, const double *impulse, const int *pair) {
-  fetch(record, 9 * 8);
-  fetch(impulse, 3 * 8);
-  fetch(reinterpret_cast<const double *>(pair), 8);
-}
-
-// Records of the bodies of a group of eight; slots count from one.
-extern "C" void sg_prefetch_bodies(const int *pair, const double *body) {
-  for (int i = 0; i < 16; ++i) fetch(body + 8L * (pair[i] - 1), 8);
-}
-
 // Impulses and records of a row of eight solid contacts (row_length of sg_sweep_solid_order).
 extern "C" void sg_prefetch_row(const double *row) { fetch(row, 22 * 8); }

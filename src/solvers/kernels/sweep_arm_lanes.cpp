@@ -1,70 +1,16 @@
 // Gauss-Seidel sweep over contacts with arms and Coulomb friction, eight side by side, and what puts contacts side by side
 // (interfaces: sweep_arm_lanes.f90, residuals.f90).
 //
-// Records of bodies are loaded whole and transposed in registers, four at a time, which Fortran has no words for: loads number
-// by number take as long as all the rest. Vectors of four are GNU extensions that g++ and clang translate for any processor.
 // The local problem is `coulomb_step` of sweep_arm.f90; what the own impulse of a sticking contact does cancels.
 
-#pragma GCC diagnostic ignored "-Wpsabi"    // vectors are handed over within this file alone
+#include "lanes.hpp"
 
 namespace {
-typedef double vec __attribute__((vector_size(32)));
-typedef double loose __attribute__((vector_size(32), aligned(8)));    // the same anywhere in memory
-typedef long long mask __attribute__((vector_size(32)));
-
-constexpr int lanes = 8, width = 4, halves = lanes / width;
 constexpr int ahead = 4, before_turn = 32;    // groups, and contacts one by one, by which records are asked for before their turn
-// Places of sg_records, from zero: contacts, then bodies.
+// Places of sg_records, from zero.
 enum { normal_x, normal_y, moment_nc, moment_tc, moment_na, moment_ta, bias_n, bias_t, w_nn, w_nt, w_tt, friction, lane_length };
 enum { cohesion = lane_length, compliance_n, compliance_t, law, record_length };
-enum { velocity_x, velocity_y, spin, inverse_mx, inverse_my, inverse_i, body_length };
-
-inline vec load(const double *from) { return *reinterpret_cast<const loose *>(from); }
-inline void store(const vec &v, double *to) { *reinterpret_cast<loose *>(to) = v; }
-
-// Ask for what is about to be read and written; nothing happens beyond the end of a list.
-inline void ask(const double *first, int reals) {
-  for (int i = 0; i < reals; i += 8) __builtin_prefetch(first + i, 1);
-}
-
-// Rows become columns.
-inline void transpose(vec &a, vec &b, vec &c, vec &d) {
-  const vec p = __builtin_shufflevector(a, b, 0, 4, 2, 6), q = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-  const vec r = __builtin_shufflevector(c, d, 0, 4, 2, 6), s = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-  a = __builtin_shufflevector(p, r, 0, 1, 4, 5);
-  b = __builtin_shufflevector(q, s, 0, 1, 4, 5);
-  c = __builtin_shufflevector(p, r, 2, 3, 6, 7);
-  d = __builtin_shufflevector(q, s, 2, 3, 6, 7);
-}
-
-// Divisors of lanes that are left out anyway are one: debug builds end a run that divides by zero.
-inline vec divisor(const vec &v) {
-  const vec none = {}, one = none + 1.0;
-  return v > none ? v : one;
-}
-
-// Four bodies side by side.
-struct bodies {
-  vec x, y, turn, per_mx, per_my, per_i;
-
-  // Slots count from one.
-  void fetch(const int *slot, const double *body) {
-    const double *from[width];
-    for (int i = 0; i < width; ++i) from[i] = body + static_cast<long>(body_length) * (slot[i] - 1);
-    x = load(from[0]), y = load(from[1]), turn = load(from[2]), per_mx = load(from[3]);
-    transpose(x, y, turn, per_mx);
-    vec a = load(from[0] + spin), b = load(from[1] + spin);
-    per_my = load(from[2] + spin), per_i = load(from[3] + spin);
-    transpose(a, b, per_my, per_i);
-  }
-
-  // Lanes that change nothing repeat the bodies of the first one, which is stored last.
-  void put_back(const int *slot, double *body) const {
-    vec row[width] = {x, y, turn, per_mx};
-    transpose(row[0], row[1], row[2], row[3]);
-    for (int i = width - 1; i >= 0; --i) store(row[i], body + static_cast<long>(body_length) * (slot[i] - 1));
-  }
-};
+typedef plane_bodies bodies;
 
 // Four contacts: record and impulse lie `lanes` apart.
 struct contacts {

@@ -15,8 +15,10 @@ module sg_sweep_order
                         round_frictional, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_arm_lanes, only: lane_length_of_arms, put_arm_lanes
+  use sg_sweep_ball_lanes, only: put_ball_lanes
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_row_biases, put_rows, solid_lanes_t
+  use sg_sweep_round_lanes, only: find_shared, lane_length_of_disks, plain_length_of_disks, put_round_lanes
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none
   private
@@ -35,12 +37,14 @@ module sg_sweep_order
     logical :: has_copies = .false.
     integer(i4), allocatable :: pair(:, :)
     real(wp), allocatable :: record(:, :), impulse(:, :)
-    !> Groups of balls, or of contacts with arms in the plane, with friction, side by side: number of groups and size of each;
-    !! slots, shape (lanes, 2, groups), records, shape (lanes, reals of a lane, groups), and impulses, shape (lanes, components,
-    !! groups). Lanes to spare change nothing
+    !> Groups of contacts of disks, of balls, or with arms in the plane, with friction, side by side: number of groups and size
+    !! of each; slots, shape (lanes, 2, groups), records, shape (lanes, reals of a lane, groups), and impulses, shape (lanes,
+    !! components, groups). Lanes to spare change nothing
     integer :: n_groups = 0
     integer(i4), allocatable :: group_size(:), lane_pair(:, :, :)
     real(wp), allocatable :: lane_record(:, :, :), lane_impulse(:, :, :)
+    !> What records of disks share (sg_sweep_round_lanes)
+    real(wp) :: shared(2) = 0
     !> Groups of pairs of solids with friction, side by side
     type(solid_lanes_t) :: solids
     !> Blocks that may be swept side by side, in coloured order; and by how many threads
@@ -61,17 +65,39 @@ contains
     type(problem_t), intent(in) :: problem !! problem to sweep
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
     type(solver_options_t), intent(in) :: options !! order and threads; whether the criterion looks at records in their order
-    type(random_t) :: random
     logical :: is_done, is_as_before
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
+    is_as_before = options%order == 'groups'
+    if (is_as_before) is_as_before = order%dealt%holds(problem, is_wanted(:problem%n_contacts))
     order%serial = order%serial + 1
     order%n_groups = 0
     order%solids%n_groups = 0
     order%blocks%n = 0
     order%threads = options%threads
-    if (options%order /= 'groups') order%dealt%n = 0
-    call choose(order, is_wanted(:problem%n_contacts), is_as_before)
+    if (is_as_before) then
+      call take_groups(order)
+    else
+      order%dealt%n = 0
+      call choose(order, is_wanted(:problem%n_contacts))
+      call put_in_order(order, problem, is_wanted(:problem%n_contacts), options)
+    end if
+    if (order%n_groups > 0) then
+      call fill_lanes(order, problem, 1, 1, is_done)
+      if (.not. is_done) order%n_groups = 0
+    end if
+    order%has_copies = order%n_groups + order%solids%n_groups == 0 .or. .not. looks_at_errors(options%criterion)
+    call fill_others(order, problem)
+  end subroutine set_order
+
+  !> Put the chosen contacts in the order that the options ask for.
+  pure subroutine put_in_order(order, problem, is_wanted, options)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
+    logical, intent(in), contiguous :: is_wanted(:)
+    type(solver_options_t), intent(in) :: options
+    type(random_t) :: random
+
     select case (options%order)
     case ('natural')
       order%contact(:order%n) = order%chosen(:order%n)
@@ -80,20 +106,9 @@ contains
       call random%seed(options%order_seed)
       call random%shuffle(order%contact(:order%n))
     case default
-      if (is_as_before) is_as_before = order%dealt%holds(problem, order%chosen(:order%n))
-      if (is_as_before) then
-        call take_groups(order)
-      else
-        call deal_all(order, problem, options%order == 'coloured')
-      end if
+      call deal_all(order, problem, is_wanted, options%order == 'coloured')
     end select
-    if (order%n_groups > 0) then
-      call fill_lanes(order, problem, 1, 1, is_done)
-      if (.not. is_done) order%n_groups = 0
-    end if
-    order%has_copies = order%n_groups + order%solids%n_groups == 0 .or. .not. looks_at_errors(options%criterion)
-    call fill_others(order, problem)
-  end subroutine set_order
+  end subroutine put_in_order
 
   !> Copy slots, records and impulses of a problem to an order that holds its contacts already, however old its copies are.
   pure subroutine refill_order(order, problem, is_done)
@@ -116,22 +131,18 @@ contains
     if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, 1, is_done)
   end subroutine fill_others
 
-  !> List the marked contacts. Are they those that were dealt last?
-  pure subroutine choose(order, is_wanted, is_as_before)
+  !> List the marked contacts.
+  pure subroutine choose(order, is_wanted)
     type(sweep_order_t), intent(inout) :: order
     logical, intent(in), contiguous :: is_wanted(:)
-    logical, intent(out) :: is_as_before
     integer :: k
 
     order%n = 0
-    is_as_before = order%dealt%n > 0
     do k = 1, size(is_wanted)
       if (.not. is_wanted(k)) cycle
       order%n = order%n + 1
-      is_as_before = is_as_before .and. order%chosen(order%n) == k
       order%chosen(order%n) = int(k, i4)
     end do
-    is_as_before = is_as_before .and. order%n == order%dealt%n
   end subroutine choose
 
   !> Bring an order up to date with a new choice: where little has changed it stays, with the contacts that it missed at its end.
@@ -145,13 +156,15 @@ contains
     integer :: wanted, missed
     logical :: is_done
 
-    call list_missed(is_wanted, is_ordered, order%missed, wanted, missed)
-    if (order%n > 0 .and. wanted >= order%n - order%n/slack) then
-      if (missed == 0) return
-      if (missed <= order%n/slack .and. options%order == 'groups') then
-        call append(order, problem, missed, is_done)
-        if (is_done) is_ordered(order%missed(:missed)) = .true.
-        if (is_done) return
+    if (order%n > 0) then
+      call list_missed(is_wanted, is_ordered, order%missed, wanted, missed)
+      if (wanted >= order%n - order%n/slack) then
+        if (missed == 0) return
+        if (missed <= order%n/slack .and. options%order == 'groups') then
+          call append(order, problem, missed, is_done)
+          if (is_done) is_ordered(order%missed(:missed)) = .true.
+          if (is_done) return
+        end if
       end if
     end if
     call set_order(order, problem, is_wanted, options)
@@ -217,7 +230,7 @@ contains
     integer :: n
     logical :: fits, have_lanes
 
-    have_lanes = any(problem%kind == [arm_frictional, ball_frictional])
+    have_lanes = any(problem%kind == [round_frictional, arm_frictional, ball_frictional])
     fits = allocated(order%contact)
     if (fits) fits = size(order%contact) >= wanted .and. size(order%groups_of) == problem%n_bodies
     if (fits) fits = allocated(order%group_size) .or. .not. have_lanes
@@ -225,8 +238,7 @@ contains
     if (allocated(order%contact)) deallocate (order%contact, order%chosen, order%groups_of)
     n = wanted + wanted/8
     allocate (order%contact(n), order%chosen(n))
-    order%chosen = 0
-    call order%dealt%reserve(n)
+    order%dealt%n = 0
     allocate (order%groups_of(problem%n_bodies), source=0_i8)
     if (allocated(order%group_size)) deallocate (order%group_size)
     if (have_lanes) allocate (order%group_size(n))
@@ -277,16 +289,17 @@ contains
   end subroutine copy_round
 
   !> Deal contacts to groups, all at once or within each coloured block.
-  pure subroutine deal_all(order, problem, are_coloured)
+  pure subroutine deal_all(order, problem, is_wanted, are_coloured)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
+    logical, intent(in), contiguous :: is_wanted(:)
     logical, intent(in) :: are_coloured
     integer :: b
 
     if (problem%kind == solid_frictional) call begin_rows(order%solids, size(order%contact))
     if (.not. are_coloured) then
       call deal(order, problem, 1, order%n)
-      call order%dealt%note(problem, order%chosen(:order%n), [order%n_groups, order%solids%n_groups, order%solids%n_rows])
+      call order%dealt%note(problem, is_wanted, [order%n_groups, order%solids%n_groups, order%solids%n_rows])
       return
     end if
     call colour_blocks(order%blocks, problem%pair, order%groups_of, order%chosen(:order%n))
@@ -302,6 +315,7 @@ contains
   pure subroutine take_groups(order)
     type(sweep_order_t), intent(inout) :: order
 
+    order%n = order%dealt%n
     order%n_groups = order%dealt%groups(1)
     order%solids%n_groups = order%dealt%groups(2)
     order%solids%n_rows = order%dealt%groups(3)
@@ -316,6 +330,9 @@ contains
     select case (problem%kind)
     case (solid_frictional)
       call deal_chains(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%solids)
+    case (round_frictional)
+      call deal_blocks(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%n_groups, &
+                       order%group_size)
     case (arm_frictional, ball_frictional)
       call deal_lanes(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%n_groups, order%group_size)
     case default
@@ -330,9 +347,22 @@ contains
     integer, intent(in) :: first_group, first
     logical, intent(out) :: is_done !! false where the law of a contact has no place in lanes
     integer :: length, n
+    logical :: are_plain
 
-    length = merge(record_length(ball_frictional), lane_length_of_arms, problem%kind == ball_frictional)
+    is_done = .true.
+    select case (problem%kind)
+    case (round_frictional)
+      call find_shared(order%n, order%contact, problem%record, order%shared, are_plain)
+      ! Rates of a cell change biases, along tangents too.
+      length = merge(plain_length_of_disks, lane_length_of_disks, are_plain .and. .not. problem%cell%is_on)
+    case (ball_frictional)
+      length = record_length(ball_frictional)
+    case default
+      length = lane_length_of_arms
+    end select
     if (allocated(order%lane_pair)) then
+      is_done = first_group == 1 .or. size(order%lane_record, 2) == length
+      if (.not. is_done) return
       if (size(order%lane_pair, 3) < order%n_groups .or. size(order%lane_record, 2) /= length) &
         deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
     end if
@@ -341,41 +371,21 @@ contains
       allocate (order%lane_pair(lanes, 2, n), order%lane_record(lanes, length, n), &
                 order%lane_impulse(lanes, impulse_length(problem%kind), n))
     end if
-    if (problem%kind == ball_frictional) then
-      is_done = .true.
-      call copy_lanes(first_group, order%n_groups, first, order%group_size, order%contact, problem%pair, problem%record, &
-                      problem%impulse, order%lane_pair, order%lane_record, order%lane_impulse)
-    else
-      call put_arm_lanes(first_group, order%n_groups, first, order%group_size, order%contact, problem%pair, problem%record, &
-                         problem%impulse, order%lane_pair, order%lane_record, order%lane_impulse, is_done)
-    end if
+    associate (last => order%n_groups, sizes => order%group_size, contact => order%contact, pair => problem%pair, &
+               record => problem%record, r => problem%impulse)
+      select case (problem%kind)
+      case (round_frictional)
+        call put_round_lanes(first_group, last, first, length, sizes, contact, pair, record, r, order%lane_pair, &
+                             order%lane_record, order%lane_impulse)
+      case (ball_frictional)
+        call put_ball_lanes(first_group, last, first, sizes, contact, pair, record, r, order%lane_pair, order%lane_record, &
+                            order%lane_impulse)
+      case default
+        call put_arm_lanes(first_group, last, first, sizes, contact, pair, record, r, order%lane_pair, order%lane_record, &
+                           order%lane_impulse, is_done)
+      end select
+    end associate
   end subroutine fill_lanes
-
-  !> The same, in room that is there.
-  pure subroutine copy_lanes(first_group, last_group, first, group_size, contact, pair, record, impulse, lane_pair, lane_record, &
-                             lane_impulse)
-    integer, intent(in) :: first_group, last_group, first
-    integer(i4), intent(in) :: group_size(*), contact(*), pair(2, *)
-    real(wp), intent(in) :: record(record_length(ball_frictional), *), impulse(3, *)
-    integer(i4), intent(inout) :: lane_pair(lanes, 2, *)
-    real(wp), intent(inout) :: lane_record(lanes, record_length(ball_frictional), *), lane_impulse(lanes, 3, *)
-    integer :: g, i, e
-
-    e = first - 1
-    do g = first_group, last_group
-      do i = 1, group_size(g)
-        e = e + 1
-        lane_pair(i, :, g) = pair(:, contact(e))
-        lane_record(i, :, g) = record(:, contact(e))
-        lane_impulse(i, :, g) = impulse(:, contact(e))
-      end do
-      do i = group_size(g) + 1, lanes
-        lane_pair(i, :, g) = lane_pair(1, :, g)
-        lane_record(i, :, g) = 0
-        lane_impulse(i, :, g) = 0
-      end do
-    end do
-  end subroutine copy_lanes
 
   !> Copy impulses from the order back to the problem.
   pure subroutine give_impulses(order, problem)
@@ -433,6 +443,10 @@ contains
 
     first = bias_place(problem%kind)
     last = first + force_length(problem%kind) - 1
+    ! Plain disks have none along tangents.
+    if (problem%kind == round_frictional .and. order%n_groups > 0) then
+      if (size(order%lane_record, 2) == plain_length_of_disks) last = first
+    end if
     e = 0
     do g = 1, order%n_groups
       do i = 1, order%group_size(g)
@@ -460,6 +474,7 @@ contains
     call tables%note('chosen', order%chosen)
     call tables%note('missed', order%missed)
     call tables%note('dealt', order%dealt%slots)
+    call tables%note('is_dealt', order%dealt%is_dealt)
     call tables%note('group_size', order%group_size)
     call tables%note('lane_pair', order%lane_pair)
     call tables%note('lane_record', order%lane_record)
@@ -472,5 +487,6 @@ contains
     call tables%note('block_last', order%blocks%last)
     call tables%begin('order', per_body)
     call tables%note('groups_of', order%groups_of)
+    call tables%note('moves', order%dealt%moves)
   end subroutine list_order
 end module sg_sweep_order

@@ -12,6 +12,7 @@ module sg_sweeps
   use sg_sweep_ball_lanes, only: sweep_ball_lanes
   use sg_sweep_arm_rolling, only: sweep_arm_mixed, sweep_arm_rolling
   use sg_sweep_order, only: sweep_order_t
+  use sg_sweep_round_lanes, only: plain_length_of_disks, sweep_round_lanes
   use sg_sweep_round, only: sweep_round_frictional, sweep_round_frictionless
   use sg_sweep_solid, only: sweep_solid_bonded, sweep_solid_frictional, sweep_solid_frictionless
   use sg_sweep_solid_lanes, only: sweep_solid_lanes
@@ -107,11 +108,16 @@ contains
 
     associate (pair => order%lane_pair(:, :, first:last), record => order%lane_record(:, :, first:last), &
                impulse => order%lane_impulse(:, :, first:last))
-      if (kind == ball_frictional) then
-        call sweep_ball_lanes(last - first + 1, n_bodies, pair, record, relaxation, impulse, body)
-      else
+      select case (kind)
+      case (round_frictional)
+        call sweep_round_lanes(int(last - first + 1, c_int), &
+                               merge(1_c_int, 0_c_int, size(order%lane_record, 2) == plain_length_of_disks), int(n_bodies, c_int), &
+                               pair, record, order%shared, relaxation, impulse, body)
+      case (ball_frictional)
+        call sweep_ball_lanes(int(last - first + 1, c_int), pair, record, relaxation, impulse, body)
+      case default
         call sweep_arm_lanes(int(last - first + 1, c_int), pair, record, relaxation, impulse, body)
-      end if
+      end select
     end associate
   end subroutine sweep_groups
 

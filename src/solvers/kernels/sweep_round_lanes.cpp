@@ -1,0 +1,59 @@
+// Gauss-Seidel sweep over contacts of disks with Coulomb friction, eight side by side, and what puts contacts side by side
+// (interface: sweep_round_lanes.f90). The local problem is that of sweep_round.f90.
+
+#include "lanes.hpp"
+
+namespace {
+// Groups by which records, and bodies where they come from far, are asked for before their turn: so many fill the second cache.
+constexpr int ahead = 6, bodies_ahead = 3, many_bodies = 80000;
+// Places of a contact in a lane, from zero: those of sg_records, or of plain contacts.
+enum { normal_x, normal_y, bias_n, bias_t, inverse_wnn, inverse_wtt, friction, full_length };
+enum { plain_inverse_wnn = bias_n + 1, plain_length };
+
+// Four contacts; plain ones share friction, and the ratio of 1/W_tt to 1/W_nn.
+template <bool are_plain>
+inline void update(const double *record, const double *shared, double relaxation, double *impulse, plane_bodies &c,
+                   plane_bodies &a) {
+  const vec none = {};
+  const auto at = [record](int place) { return load(record + lanes * place); };
+  const vec x = at(normal_x), y = at(normal_y), dx = c.x - a.x, dy = c.y - a.y;
+  const vec per_n = at(are_plain ? int{plain_inverse_wnn} : int{inverse_wnn});
+  const vec per_t = are_plain ? shared[1] * per_n : at(inverse_wtt), mu = are_plain ? none + shared[0] : at(friction);
+  const vec u_n = x * dx + y * dy + at(bias_n), slip = y * dx - x * dy + c.turn + a.turn;
+  const vec u_t = are_plain ? slip : slip + at(bias_t), old_n = load(impulse), old_t = load(impulse + lanes);
+  const vec r_n = larger(old_n - u_n * per_n, none), limit = mu * r_n;
+  const vec r_t = larger(smaller(old_t - u_t * per_t, limit), -limit);
+  const vec d_n = relaxation * (r_n - old_n), d_t = relaxation * (r_t - old_t);
+  store(old_n + d_n, impulse);
+  store(old_t + d_t, impulse + lanes);
+  const vec p_x = x * d_n + y * d_t, p_y = y * d_n - x * d_t;
+  c.x += c.per_mx * p_x, c.y += c.per_my * p_y, c.turn += c.per_i * d_t;
+  a.x -= a.per_mx * p_x, a.y -= a.per_my * p_y, a.turn += a.per_i * d_t;
+}
+
+template <bool are_plain, bool is_far>
+void sweep(int n_groups, const int *pair, const double *record, const double *shared, double relaxation, double *impulse,
+           double *body) {
+  constexpr int length = are_plain ? int{plain_length} : int{full_length};
+  for (int g = 0; g < n_groups; ++g, pair += 2 * lanes, record += lanes * length, impulse += 2 * lanes) {
+    ask(record + ahead * lanes * length, lanes * length);
+    ask(impulse + ahead * 2 * lanes, 2 * lanes);
+    if (is_far && g + bodies_ahead < n_groups)
+      for (int i = 0; i < 2 * lanes; ++i) __builtin_prefetch(plane_bodies::record(pair[bodies_ahead * 2 * lanes + i], body), 1);
+    plane_bodies candidate[halves], antagonist[halves];
+    for (int h = 0; h < halves; ++h) candidate[h].fetch(pair + width * h, body);
+    for (int h = 0; h < halves; ++h) antagonist[h].fetch(pair + lanes + width * h, body);
+    for (int h = 0; h < halves; ++h)
+      update<are_plain>(record + width * h, shared, relaxation, impulse + width * h, candidate[h], antagonist[h]);
+    for (int h = halves - 1; h >= 0; --h) candidate[h].put_back(pair + width * h, body);
+    for (int h = halves - 1; h >= 0; --h) antagonist[h].put_back(pair + lanes + width * h, body);
+  }
+}
+}    // namespace
+
+extern "C" void sg_sweep_round_groups(int n_groups, int are_plain, int n_bodies, const int *pair, const double *record,
+                                     const double *shared, double relaxation, double *impulse, double *body) {
+  const auto kernel = n_bodies < many_bodies ? (are_plain ? sweep<true, false> : sweep<false, false>)
+                                             : (are_plain ? sweep<true, true> : sweep<false, true>);
+  kernel(n_groups, pair, record, shared, relaxation, impulse, body);
+}
