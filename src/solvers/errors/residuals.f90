@@ -150,17 +150,19 @@ contains
   end subroutine fit_bounds
 
   !> The contact that breaks its law by the largest velocity; contact 0 where all obey.
-  pure subroutine find_worst(problem, contact, speed, chunk_bounds)
+  pure subroutine find_worst(problem, contact, speed, chunk_bounds, above)
     type(problem_t), intent(in) :: problem !! problem with impulses and the velocities that they cause
     integer, intent(out) :: contact !! number of that contact
     real(wp), intent(out) :: speed !! its velocity [m/s]
     real(wp), allocatable, intent(in), optional :: chunk_bounds(:) !! of `sum_errors`, where nothing has changed since
+    real(wp), intent(in), optional :: above !! velocity that only a larger one counts against [m/s]; the result where there is none
     type(chunk_t) :: a
     real(wp) :: broken, bounds(chunk)
     integer :: first, i
 
     contact = 0
     speed = 0
+    if (present(above)) speed = above
     if (has_moments(problem%kind)) then
       call find_worst_rolling(problem, contact, speed)
       return

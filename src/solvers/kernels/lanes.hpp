@@ -44,6 +44,28 @@ inline vec root(const vec &v) {
 inline vec larger(const vec &a, const vec &b) { return a > b ? a : b; }
 inline vec smaller(const vec &a, const vec &b) { return a < b ? a : b; }
 
+// Ask for records of contacts some groups ahead: as many contacts follow in the list as `left`; contacts count from one.
+template <int length>
+inline void ask_records(const int *contact, int left, const double *record) {
+  constexpr int ahead = 3;
+  if (left < (ahead + 1) * lanes) return;
+  for (int i = ahead * lanes; i < (ahead + 1) * lanes; ++i) {
+    const double *from = record + static_cast<long>(length) * (contact[i] - 1);
+    for (int j = 0; j < length; j += 8) __builtin_prefetch(from + j);
+    __builtin_prefetch(from + length - 1);
+  }
+}
+
+// Slots and impulses of four contacts.
+template <int components>
+inline void put_pairs(const int *contact, const int *pair, const double *impulse, int *lane_pair, double *lane_impulse) {
+  for (int i = 0; i < width; ++i) {
+    const long k = contact[i] - 1;
+    for (int side = 0; side < 2; ++side) lane_pair[lanes * side + i] = pair[2 * k + side];
+    for (int c = 0; c < components; ++c) lane_impulse[lanes * c + i] = impulse[components * k + c];
+  }
+}
+
 // Four bodies of the plane side by side: places of sg_records, from zero, which kinds with friction share.
 struct plane_bodies {
   enum { velocity_x, velocity_y, spin, inverse_mx, inverse_my, inverse_i, length };

@@ -89,11 +89,13 @@ extern "C" void sg_sweep_arm_groups(int n_groups, const int *pair, const double 
   }
 }
 
-// Put eight contacts side by side; contacts count from one. Are the laws of all unilateral, with friction alone?
-extern "C" void sg_put_arm_group(const int *contact, const int *pair, const double *record, const double *impulse, int *lane_pair,
-                                 double *lane_record, double *lane_impulse, int *are_plain) {
+// Put eight contacts side by side; contacts count from one, and so many are left in their list. Are the laws of all unilateral,
+// with friction alone?
+extern "C" void sg_put_arm_group(int left, const int *contact, const int *pair, const double *record, const double *impulse,
+                                int *lane_pair, double *lane_record, double *lane_impulse, int *are_plain) {
   const vec plain = {0, 0, 0, 1};
   mask is_plain = {-1, -1, -1, -1};
+  ask_records<record_length>(contact, left, record);
   for (int h = 0; h < halves; ++h, contact += width, lane_pair += width, lane_record += width, lane_impulse += width) {
     const double *row[width];
     for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(record_length) * (contact[i] - 1);
@@ -103,13 +105,8 @@ extern "C" void sg_put_arm_group(const int *contact, const int *pair, const doub
       transpose(v[0], v[1], v[2], v[3]);
       for (int i = 0; i < width; ++i) store(v[i], lane_record + lanes * (place + i));
     }
-    for (int i = 0; i < width; ++i) {
-      is_plain &= load(row[i] + cohesion) == plain;
-      for (int side = 0; side < 2; ++side) {
-        lane_pair[lanes * side + i] = pair[2L * (contact[i] - 1) + side];
-        lane_impulse[lanes * side + i] = impulse[2L * (contact[i] - 1) + side];
-      }
-    }
+    for (int i = 0; i < width; ++i) is_plain &= load(row[i] + cohesion) == plain;
+    put_pairs<2>(contact, pair, impulse, lane_pair, lane_impulse);
   }
   *are_plain = (is_plain[0] & is_plain[1] & is_plain[2] & is_plain[3]) != 0;
 }

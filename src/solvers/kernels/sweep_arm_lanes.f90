@@ -29,14 +29,15 @@ module sg_sweep_arm_lanes
     end subroutine sweep_arm_lanes
 
     !> Put eight contacts side by side.
-    pure subroutine put_group(contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, are_plain) &
+    pure subroutine put_group(left, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, are_plain) &
       bind(c, name='sg_put_arm_group')
       import :: c_double, c_int
+      integer(c_int), intent(in), value :: left !! contacts that are left in the list
       integer(c_int), intent(in) :: contact(*), pair(*)
       real(c_double), intent(in) :: record(*), impulse(*)
       integer(c_int), intent(inout) :: lane_pair(*)
       real(c_double), intent(inout) :: lane_record(*), lane_impulse(*)
-      integer(c_int), intent(out) :: are_plain
+      integer(c_int), intent(out) :: are_plain !! 0 where a law has no place in lanes
     end subroutine put_group
   end interface
 
@@ -57,15 +58,16 @@ contains
     real(wp), intent(inout) :: lane_record(lanes, lane_length_of_arms, *) !! records by lanes
     real(wp), intent(inout) :: lane_impulse(lanes, 2, *) !! impulses by lanes
     logical, intent(out) :: is_done !! false where the law of a contact has no place in a lane
-    integer :: g, i, e, k
+    integer :: g, i, e, k, last
     integer(c_int) :: are_plain
 
     e = first - 1
+    last = e + sum(group_size(first_group:last_group))
     is_done = .true.
     do g = first_group, last_group
       if (group_size(g) == lanes) then
-        call put_group(contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), lane_record(1, 1, g), lane_impulse(1, 1, g), &
-                       are_plain)
+        call put_group(int(last - e, c_int), contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), lane_record(1, 1, g), &
+                       lane_impulse(1, 1, g), are_plain)
         if (are_plain > 0) then
           e = e + lanes
           cycle

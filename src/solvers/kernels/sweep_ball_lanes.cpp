@@ -10,6 +10,8 @@ constexpr int ahead = 6, bodies_ahead = 3;    // groups by which records, and bo
 // Places of a contact in a lane, from zero: those of sg_records.
 enum { normal_x, normal_y, normal_z, bias_x, bias_y, bias_z, inverse_wnn, inverse_wtt, friction, lane_length };
 
+inline bool any_negative(const vec &v) { return v[0] < 0 || v[1] < 0 || v[2] < 0 || v[3] < 0; }
+
 // Change of the impulses of four contacts, and what changes spins by them.
 struct change {
   vec px, py, pz, sx, sy, sz;
@@ -35,7 +37,18 @@ struct change {
     sx = py * z - pz * y, sy = pz * x - px * z, sz = px * y - py * x;
   }
 
-  // Let the bodies feel it: the sign is that of their impulses, spins of both change alike.
+  // Let both bodies feel it.
+  void push_both(space_bodies &c, space_bodies &a) const {
+    if (any_negative(smaller(c.per_i, a.per_i))) {
+      push_driven(1, c);
+      push_driven(-1, a);
+    } else {
+      push(1, c);
+      push(-1, a);
+    }
+  }
+
+  // The sign is that of their impulses, spins of both change alike.
   void push(double sign, space_bodies &b) const {
     const vec m = sign * b.per_m;
     b.x += m * px, b.y += m * py, b.z += m * pz;
@@ -55,7 +68,6 @@ struct change {
   }
 };
 
-inline bool any_negative(const vec &v) { return v[0] < 0 || v[1] < 0 || v[2] < 0 || v[3] < 0; }
 }    // namespace
 
 extern "C" void sg_sweep_ball_groups(int n_groups, const int *pair, const double *record, double relaxation, double *impulse,
@@ -71,15 +83,27 @@ extern "C" void sg_sweep_ball_groups(int n_groups, const int *pair, const double
     for (int h = 0; h < halves; ++h) {
       change by;
       by.find(record + width * h, relaxation, candidate[h], antagonist[h], impulse + width * h);
-      if (any_negative(smaller(candidate[h].per_i, antagonist[h].per_i))) {
-        by.push_driven(1, candidate[h]);
-        by.push_driven(-1, antagonist[h]);
-      } else {
-        by.push(1, candidate[h]);
-        by.push(-1, antagonist[h]);
-      }
+      by.push_both(candidate[h], antagonist[h]);
     }
     for (int h = halves - 1; h >= 0; --h) candidate[h].put_back(pair + width * h, body);
     for (int h = halves - 1; h >= 0; --h) antagonist[h].put_back(pair + lanes + width * h, body);
+  }
+}
+
+// Put eight contacts side by side; contacts count from one, and so many are left in their list.
+extern "C" void sg_put_ball_group(int left, const int *contact, const int *pair, const double *record, const double *impulse,
+                                 int *lane_pair, double *lane_record, double *lane_impulse) {
+  ask_records<lane_length>(contact, left, record);
+  for (int h = 0; h < halves; ++h, contact += width, lane_pair += width, lane_record += width, lane_impulse += width) {
+    const double *row[width];
+    for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(lane_length) * (contact[i] - 1);
+    for (int place = 0; place < friction; place += width) {
+      vec v[width];
+      for (int i = 0; i < width; ++i) v[i] = load(row[i] + place);
+      transpose(v[0], v[1], v[2], v[3]);
+      for (int i = 0; i < width; ++i) store(v[i], lane_record + lanes * (place + i));
+    }
+    for (int i = 0; i < width; ++i) lane_record[lanes * friction + i] = row[i][friction];
+    put_pairs<3>(contact, pair, impulse, lane_pair, lane_impulse);
   }
 }

@@ -23,6 +23,17 @@ module sg_sweep_ball_lanes
       real(c_double), intent(inout) :: impulse(*) !! impulses [N s], shape (lanes, 3, groups)
       real(c_double), intent(inout) :: body(*) !! records of bodies, whose velocities change, shape (body_length, slots)
     end subroutine sweep_ball_lanes
+
+    !> Put eight contacts side by side.
+    pure subroutine put_group(left, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse) &
+      bind(c, name='sg_put_ball_group')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: left !! contacts that are left in the list
+      integer(c_int), intent(in) :: contact(*), pair(*)
+      real(c_double), intent(in) :: record(*), impulse(*)
+      integer(c_int), intent(inout) :: lane_pair(*)
+      real(c_double), intent(inout) :: lane_record(*), lane_impulse(*)
+    end subroutine put_group
   end interface
 
 contains
@@ -41,10 +52,17 @@ contains
     integer(i4), intent(inout) :: lane_pair(lanes, 2, *) !! slots by lanes
     real(wp), intent(inout) :: lane_record(lanes, record_length(ball_frictional), *) !! records by lanes
     real(wp), intent(inout) :: lane_impulse(lanes, 3, *) !! impulses by lanes
-    integer :: g, i, e
+    integer :: g, i, e, last
 
     e = first - 1
+    last = e + sum(group_size(first_group:last_group))
     do g = first_group, last_group
+      if (group_size(g) == lanes) then
+        call put_group(int(last - e, c_int), contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), lane_record(1, 1, g), &
+                       lane_impulse(1, 1, g))
+        e = e + lanes
+        cycle
+      end if
       do i = 1, group_size(g)
         e = e + 1
         lane_pair(i, :, g) = pair(:, contact(e))

@@ -12,12 +12,10 @@ module sg_sweep_round_lanes
                         round_inverse_wnn, round_inverse_wtt
   implicit none
   private
-  public :: find_shared, lane_length_of_disks, plain_length_of_disks, put_round_lanes, sweep_round_lanes
+  public :: lane_length_of_disks, plain_length_of_disks, put_round_lanes, shared_of, sweep_round_lanes
 
-  !> Places of a plain contact in a lane; others have those of their record
-  integer, parameter :: plain_bias_n = 3, plain_inverse_wnn = 4
-  !> Reals of a contact in a lane, where all are plain and where they are not
-  integer, parameter :: plain_length_of_disks = plain_inverse_wnn, lane_length_of_disks = round_friction
+  !> Reals of a contact in a lane, where all are plain, and where they are not and records are those of sg_records
+  integer, parameter :: plain_length_of_disks = 4, lane_length_of_disks = round_friction
   !> Relative difference of ratios that rounding leaves
   real(wp), parameter :: rounding = 8*epsilon(1.0_wp)
 
@@ -36,46 +34,51 @@ module sg_sweep_round_lanes
       real(c_double), intent(inout) :: impulse(*) !! impulses [N s], shape (lanes, 2, groups)
       real(c_double), intent(inout) :: body(*) !! records of bodies, whose velocities change, shape (body_length, slots)
     end subroutine sweep_round_lanes
+
+    !> Put eight contacts side by side.
+    pure subroutine put_group(left, are_plain, shared, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, &
+                              is_done) bind(c, name='sg_put_round_group')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: left !! contacts that are left in the list
+      integer(c_int), intent(in), value :: are_plain !! 1 where records are to be plain, else 0
+      real(c_double), intent(in) :: shared(2) !! friction and ratio that plain records share
+      integer(c_int), intent(in) :: contact(*), pair(*)
+      real(c_double), intent(in) :: record(*), impulse(*)
+      integer(c_int), intent(inout) :: lane_pair(*)
+      real(c_double), intent(inout) :: lane_record(*), lane_impulse(*)
+      integer(c_int), intent(out) :: is_done !! 0 where records are to be plain and one is not
+    end subroutine put_group
   end interface
 
 contains
 
-  !> Find friction and ratio of the inverses of W that contacts of an order share.
-  pure subroutine find_shared(n, contact, record, shared, are_plain)
+  !> Friction and ratio of the inverses of W that plain contacts of an order share: those of the first that takes part.
+  pure function shared_of(n, contact, record) result(shared)
     integer, intent(in) :: n !! contacts of the order
     integer(i4), intent(in) :: contact(n) !! their numbers
     real(wp), intent(in) :: record(record_length(round_frictional), *) !! records of all contacts
-    real(wp), intent(out) :: shared(2) !! friction, and 1/W_tt over 1/W_nn
-    logical, intent(out) :: are_plain !! false where a contact differs, or has a bias along its tangent
-    real(wp) :: differences
+    real(wp) :: shared(2)
     integer :: i
 
     shared = 0
     do i = 1, n
-      if (.not. record(round_inverse_wnn, contact(i)) > 0) cycle
-      shared = [record(round_friction, contact(i)), &
-                record(round_inverse_wtt, contact(i))/record(round_inverse_wnn, contact(i))]
-      exit
-    end do
-    differences = 0
-    do i = 1, n
       associate (k => contact(i))
-        differences = differences + merge(0.0_wp, 1.0_wp, abs(record(round_friction, k) - shared(1)) <= 0 &
-                                          .and. abs(record(round_bias_t, k)) <= 0 &
-                                          .and. abs(record(round_inverse_wtt, k) - shared(2)*record(round_inverse_wnn, k)) &
-                                          <= rounding*record(round_inverse_wtt, k))
+        shared(1) = record(round_friction, k)
+        if (.not. record(round_inverse_wnn, k) > 0) cycle
+        shared(2) = record(round_inverse_wtt, k)/record(round_inverse_wnn, k)
+        return
       end associate
     end do
-    are_plain = .not. differences > 0
-  end subroutine find_shared
+  end function shared_of
 
   !> Put slots, records and impulses of contacts side by side, group by group.
-  pure subroutine put_round_lanes(first_group, last_group, first, length, group_size, contact, pair, record, impulse, lane_pair, &
-                                  lane_record, lane_impulse)
+  pure subroutine put_round_lanes(first_group, last_group, first, length, shared, group_size, contact, pair, record, impulse, &
+                                  lane_pair, lane_record, lane_impulse, is_done)
     integer, intent(in) :: first_group !! first group to fill
     integer, intent(in) :: last_group !! last one
     integer, intent(in) :: first !! first contact of the first group
-    integer, intent(in) :: length !! reals of a lane
+    integer, intent(in) :: length !! reals of a lane: of plain records, or of others
+    real(wp), intent(in) :: shared(2) !! friction and ratio that plain records share
     integer(i4), intent(in) :: group_size(*) !! contacts of each group
     integer(i4), intent(in) :: contact(*) !! contacts in the order of the groups
     integer(i4), intent(in) :: pair(2, *) !! slots of all contacts
@@ -84,31 +87,58 @@ contains
     integer(i4), intent(inout) :: lane_pair(lanes, 2, *) !! slots by lanes
     real(wp), intent(inout) :: lane_record(lanes, length, *) !! records by lanes
     real(wp), intent(inout) :: lane_impulse(lanes, 2, *) !! impulses by lanes
-    integer :: g, i, e, k
+    logical, intent(out) :: is_done !! false where records should be plain, and one is not
+    integer :: g, e, last
+    integer(c_int) :: flag, is_put
 
+    flag = merge(1_c_int, 0_c_int, length == plain_length_of_disks)
+    is_done = .true.
     e = first - 1
+    last = e + sum(group_size(first_group:last_group))
     do g = first_group, last_group
-      do i = 1, group_size(g)
-        e = e + 1
-        k = contact(e)
-        lane_pair(i, 1, g) = pair(1, k)
-        lane_pair(i, 2, g) = pair(2, k)
-        if (length == plain_length_of_disks) then
-          lane_record(i, normal_x, g) = record(normal_x, k)
-          lane_record(i, normal_y, g) = record(normal_y, k)
-          lane_record(i, plain_bias_n, g) = record(round_bias_n, k)
-          lane_record(i, plain_inverse_wnn, g) = record(round_inverse_wnn, k)
-        else
-          lane_record(i, :lane_length_of_disks, g) = record(:, k)
-        end if
-        lane_impulse(i, 1, g) = impulse(1, k)
-        lane_impulse(i, 2, g) = impulse(2, k)
-      end do
-      do i = group_size(g) + 1, lanes
-        lane_pair(i, :, g) = lane_pair(1, :, g)
-        lane_record(i, :, g) = 0
-        lane_impulse(i, :, g) = 0
-      end do
+      if (group_size(g) == lanes) then
+        call put_group(int(last - e, c_int), flag, shared, contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), &
+                       lane_record(1, 1, g), lane_impulse(1, 1, g), is_put)
+      else
+        call put_some(int(group_size(g)), length, shared, contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), &
+                      lane_record(1, 1, g), lane_impulse(1, 1, g), is_put)
+      end if
+      e = e + group_size(g)
+      if (is_put > 0) cycle
+      is_done = .false.
+      return
     end do
   end subroutine put_round_lanes
+
+  !> Put a few contacts side by side; other lanes change nothing.
+  pure subroutine put_some(n, length, shared, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, is_done)
+    integer, intent(in) :: n, length
+    real(wp), intent(in) :: shared(2)
+    integer(i4), intent(in) :: contact(n), pair(2, *)
+    real(wp), intent(in) :: record(record_length(round_frictional), *), impulse(2, *)
+    integer(i4), intent(inout) :: lane_pair(lanes, 2)
+    real(wp), intent(inout) :: lane_record(lanes, length), lane_impulse(lanes, 2)
+    integer(c_int), intent(out) :: is_done
+    integer :: i
+
+    is_done = 1
+    lane_record = 0
+    lane_impulse = 0
+    do i = 1, n
+      associate (own => record(:, contact(i)))
+        if (length > plain_length_of_disks) then
+          lane_record(i, :) = own
+        else
+          lane_record(i, :) = own([normal_x, normal_y, round_bias_n, round_inverse_wnn])
+          if (abs(own(round_friction) - shared(1)) > 0 .or. abs(own(round_bias_t)) > 0 &
+              .or. abs(own(round_inverse_wtt) - shared(2)*own(round_inverse_wnn)) > rounding*own(round_inverse_wtt)) is_done = 0
+        end if
+      end associate
+      lane_pair(i, :) = pair(:, contact(i))
+      lane_impulse(i, :) = impulse(:, contact(i))
+    end do
+    do i = n + 1, lanes
+      lane_pair(i, :) = lane_pair(1, :)
+    end do
+  end subroutine put_some
 end module sg_sweep_round_lanes

@@ -5,7 +5,7 @@ module sg_active_set
   use sg_tables, only: per_contact, tables_t
   implicit none
   private
-  public :: active_set_t
+  public :: active_set_t, limit_of
 
   !> Open contacts that part faster than this many rms errors of velocity are not visited
   real(wp), parameter :: speed_limit = 30
@@ -49,8 +49,15 @@ contains
     integer, intent(in) :: n !! contacts
     type(report_t), intent(in) :: report !! errors of the whole problem
 
-    self%is_wanted(:n) = self%closing(:n) <= speed_limit*report%violation*report%velocity_scale
+    self%is_wanted(:n) = self%closing(:n) <= limit_of(report)
   end subroutine active_set_choose
+
+  !> Normal velocity above which open contacts are not visited [m/s].
+  pure real(wp) function limit_of(report)
+    type(report_t), intent(in) :: report !! errors of the whole problem
+
+    limit_of = speed_limit*report%violation*report%velocity_scale
+  end function limit_of
 
   !> List the tables.
   subroutine active_set_list_tables(self, tables)

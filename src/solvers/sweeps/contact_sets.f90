@@ -1,17 +1,21 @@
 !> Contacts of a rank in several sets, each with an order of sweep of its own: contacts of shared bodies, swept before messages
 !! leave; those of inner bodies, swept while messages travel; those on edges between subdomains. One rank alone has one set.
 module sg_contact_sets
-  use sg_active_set, only: active_set_t
+  use sg_active_set, only: active_set_t, limit_of
   use sg_comm, only: comm_t
   use sg_delassus, only: set_block
   use sg_kinds, only: wp, i4, i8
   use sg_nesterov, only: nesterov_t
+  use sg_order_errors, only: holds_most, order_errors_t
+  use sg_order_tables, only: list_order
+  use sg_order_values, only: give_impulses, put_biases
   use sg_problem, only: problem_t
   use sg_relax_cell, only: record_rates
   use sg_report, only: report_t
   use sg_run_options, only: solver_options_t
   use sg_solved_clusters, only: solved_clusters_t
-  use sg_sweep_order, only: give_impulses, list_order, put_biases, refill_order, sweep_order_t, update_order
+  use sg_residuals, only: n_error_sums
+  use sg_sweep_order, only: refill_order, sweep_order_t, take_last_order, update_order
   use sg_sweeps, only: sweep
   use sg_tables, only: per_contact, tables_t
   implicit none
@@ -37,14 +41,23 @@ module sg_contact_sets
     type(solved_clusters_t) :: clusters
     !> Momentum from sweep to sweep
     type(nesterov_t) :: nesterov
+    !> Errors of contacts side by side
+    type(order_errors_t) :: errors
     type(solver_options_t), private :: options
     !> Do the orders hold contacts of this problem yet? And if not, those of the problem before, which are the same?
     logical :: is_arranged = .false.
     logical, private :: holds_last = .false.
+    !> Did they in the solve before?
+    logical, private :: was_arranged = .false.
+    !> Was the order of the last problem taken as a guess of the first choice, to which it must be the same?
+    logical, private :: is_guessed = .false.
   contains
     procedure :: begin => sets_begin
     procedure :: split => sets_split
+    procedure :: take_last => sets_take_last
     procedure :: arrange => sets_arrange
+    procedure :: measure => sets_measure
+    procedure :: find_worst => sets_find_worst
     procedure :: choose => sets_choose
     procedure :: go_on => sets_go_on
     procedure :: restore => sets_restore
@@ -70,6 +83,9 @@ contains
     self%shared = [integer ::]
     call self%clusters%begin()
     call self%active_set%begin(problem%n_contacts, self%holds_last)
+    call self%errors%begin()
+    self%is_guessed = .false.
+    self%was_arranged = self%is_arranged
     self%is_arranged = .false.
   end subroutine sets_begin
 
@@ -98,6 +114,52 @@ contains
     end do
   end subroutine sets_split
 
+  !> Take the order of the last problem before the first test, where that can be, so that contacts are tested side by side.
+  subroutine sets_take_last(self, problem)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem !! problem with its present impulses
+
+    if (.not. can_take_last(self, problem)) return
+    associate (n => problem%n_contacts)
+      call take_last_order(self%order(1), problem, self%holds_last, self%active_set%is_ordered(:n), self%is_arranged)
+    end associate
+    self%is_guessed = self%is_arranged .and. .not. self%holds_last
+    self%holds_last = self%holds_last .and. self%order(1)%n > 0
+  end subroutine sets_take_last
+
+  !> May the order of the last problem be that of this one?
+  pure logical function can_take_last(self, problem)
+    class(contact_sets_t), intent(in) :: self
+    type(problem_t), intent(in) :: problem
+
+    can_take_last = self%n == 1 .and. .not. problem%cell%is_on &
+                    .and. (self%holds_last .or. (self%was_arranged .and. self%options%order == 'groups'))
+    if (can_take_last) can_take_last = size(self%order) == 1
+    if (can_take_last) can_take_last = holds_most(merge(self%order(1)%n, self%order(1)%dealt%n, self%holds_last), problem)
+  end function can_take_last
+
+  !> Sum the errors of the contacts from their records in the order, where that can be.
+  subroutine sets_measure(self, problem, with_e1, sums)
+    class(contact_sets_t), intent(inout) :: self !! its errors are set, or not
+    type(problem_t), intent(inout) :: problem !! its impulses are those of the order; comes back as it was
+    logical, intent(in) :: with_e1 !! measure e1, and bounds, too?
+    real(wp), intent(out) :: sums(n_error_sums) !! the sums, where errors are set
+
+    self%errors%is_set = self%n == 1 .and. self%is_arranged .and. .not. self%clusters%are_sought
+    if (self%errors%is_set) &
+      call self%errors%measure(problem, self%order(1), self%active_set%is_ordered(:problem%n_contacts), with_e1, sums)
+  end subroutine sets_measure
+
+  !> Find the contact that breaks its law by the largest velocity, right after a test that has set errors.
+  subroutine sets_find_worst(self, problem, contact, speed)
+    class(contact_sets_t), intent(inout) :: self
+    type(problem_t), intent(inout) :: problem !! comes back as it was
+    integer, intent(out) :: contact !! number of that contact; zero where all obey
+    real(wp), intent(out) :: speed !! its velocity [m/s]
+
+    call self%errors%find_worst(problem, self%order(1), contact, speed)
+  end subroutine sets_find_worst
+
   !> Copy the active contacts into the orders of their sets, or bring these up to date with the active set.
   subroutine sets_arrange(self, problem)
     class(contact_sets_t), intent(inout) :: self
@@ -107,6 +169,11 @@ contains
 
     if (.not. self%is_arranged) call begin_orders(self, problem)
     associate (n => problem%n_contacts, active_set => self%active_set)
+      if (self%is_guessed) then
+        self%is_guessed = .false.
+        if (count(active_set%is_wanted(:n) .neqv. active_set%is_ordered(:n)) == 0) return
+        self%order(1)%n = 0
+      end if
       if (self%n == 1) then
         call update_order(self%order(1), problem, active_set%is_wanted(:n), active_set%is_ordered(:n), self%options)
         return
@@ -163,7 +230,11 @@ contains
 
     goes_on = self%nesterov%is_on .and. self%is_arranged
     associate (n => problem%n_contacts, active_set => self%active_set)
-      call active_set%choose(n, report)
+      if (self%errors%is_set) then
+        call self%errors%choose(self%order(1), active_set%is_ordered(:n), limit_of(report), active_set%is_wanted(:n))
+      else
+        call active_set%choose(n, report)
+      end if
       if (goes_on) then
         call self%nesterov%carry(self%order, problem)
         call self%nesterov%keep_moving(active_set%is_wanted(:n))
@@ -251,6 +322,7 @@ contains
       end do
     end if
     call self%active_set%list_tables(tables)
+    call self%errors%list_tables(tables)
     call self%clusters%list_tables(tables)
     call self%nesterov%list_tables(tables)
   end subroutine sets_list_tables

@@ -10,8 +10,9 @@ module sg_nesterov
   use sg_iterates, only: exchange_order, hold, iterates_t, step_order, takes_momentum
   use sg_kinds, only: wp
   use sg_nesterov_rule, only: nesterov_rule_t
+  use sg_order_values, only: give_impulses, put_impulses
   use sg_problem, only: problem_t
-  use sg_sweep_order, only: give_impulses, put_impulses, sweep_order_t
+  use sg_sweep_order, only: sweep_order_t
   use sg_sweeps, only: sweep
   use sg_tables, only: per_body, per_contact, tables_t
   implicit none

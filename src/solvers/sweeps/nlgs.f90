@@ -101,7 +101,7 @@ contains
     end do
     call self%sets%nesterov%finish(comm)
     if (problem%cell%is_on) problem%cell%rate = problem%cell%recorded
-    if (.not. report%is_converged) call self%errors%find_worst(problem, comm, report)
+    if (.not. report%is_converged) call self%errors%find_worst(problem, self%sets, comm, report)
     call self%convergence%finish(report)
     call self%close(problem, coupling, comm)
     call lap(self, report%cpu_checks)
@@ -149,6 +149,7 @@ contains
     if (self%trace%is_on) call self%note(problem, comm, report)
     if (self%errors%is_guessed .and. looks_at_errors(self%options%criterion)) then
       call gather(self, problem, comm)
+      call self%sets%take_last(problem)
       call self%errors%begin(problem, .false., self%sets, comm)
       call self%errors%finish(report, comm)
       call self%sets%choose(problem, report, 0.0_wp)
@@ -313,7 +314,7 @@ contains
       if (.not. self%is_coupled) call self%errors%finish(report, comm)
     end if
     if (.not. self%convergence%must_look(report)) return
-    call self%errors%find_worst(problem, comm, report)
+    call self%errors%find_worst(problem, self%sets, comm, report)
     call self%convergence%confirm(report%worst_speed, report)
   end subroutine confirm
 

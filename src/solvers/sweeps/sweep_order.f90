@@ -11,18 +11,17 @@ module sg_sweep_order
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_random, only: random_t
-  use sg_records, only: arm_frictional, ball_frictional, bias_place, force_length, impulse_length, record_length, &
+  use sg_records, only: arm_frictional, ball_frictional, impulse_length, record_length, &
                         round_frictional, solid_frictional
   use sg_run_options, only: solver_options_t
   use sg_sweep_arm_lanes, only: lane_length_of_arms, put_arm_lanes
   use sg_sweep_ball_lanes, only: put_ball_lanes
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
-  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, give_rows, put_row_biases, put_rows, solid_lanes_t
-  use sg_sweep_round_lanes, only: find_shared, lane_length_of_disks, plain_length_of_disks, put_round_lanes
-  use sg_tables, only: per_body, per_contact, tables_t
+  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, solid_lanes_t
+  use sg_sweep_round_lanes, only: lane_length_of_disks, plain_length_of_disks, put_round_lanes, shared_of
   implicit none
   private
-  public :: sweep_order_t, set_order, update_order, refill_order, give_impulses, put_biases, put_impulses, list_order
+  public :: sweep_order_t, set_order, update_order, refill_order, take_last_order
 
   !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
@@ -51,10 +50,10 @@ module sg_sweep_order
     type(sweep_colouring_t) :: blocks
     integer :: threads = 1
     !> What `chosen` was dealt by, in `groups` order
-    type(kept_dealing_t), private :: dealt
+    type(kept_dealing_t) :: dealt
     !> Room for dealing: contacts chosen and missed, and groups of each body as bits
-    integer(i4), allocatable, private :: chosen(:), missed(:)
-    integer(i8), allocatable, private :: groups_of(:)
+    integer(i4), allocatable :: chosen(:), missed(:)
+    integer(i8), allocatable :: groups_of(:)
   end type sweep_order_t
 
 contains
@@ -120,6 +119,33 @@ contains
     if (order%n_groups > 0) call fill_lanes(order, problem, 1, 1, is_done)
     if (is_done) call fill_others(order, problem)
   end subroutine refill_order
+
+  !> Take the order of the last problem, where it holds contacts side by side alone: as it is, if the problem goes on from the last
+  !! one; else without contacts that were added to it, if the problem has the same contacts and bodies.
+  pure subroutine take_last_order(order, problem, goes_on, is_ordered, is_done)
+    type(sweep_order_t), intent(inout) :: order !! its copies are set
+    type(problem_t), intent(in) :: problem !! problem to sweep
+    logical, intent(in) :: goes_on !! does the problem go on?
+    logical, intent(inout), contiguous :: is_ordered(:) !! which contacts the order holds
+    logical, intent(out) :: is_done !! was it taken?
+
+    if (goes_on) then
+      is_done = order%n_groups > 0 .and. .not. order%has_copies
+      if (.not. is_done) return
+    else
+      is_done = order%dealt%groups(1) > 0
+      if (is_done) is_done = order%dealt%holds(problem)
+      if (.not. is_done) return
+      call take_groups(order)
+      order%serial = order%serial + 1
+      order%has_copies = .false.
+      is_ordered = order%dealt%is_dealt(:size(is_ordered))
+    end if
+    call fill_lanes(order, problem, 1, 1, is_done)
+    if (is_done) return
+    order%n = 0
+    is_ordered = .false.
+  end subroutine take_last_order
 
   !> Copies one by one, and rows of solids.
   pure subroutine fill_others(order, problem)
@@ -346,147 +372,67 @@ contains
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: first_group, first
     logical, intent(out) :: is_done !! false where the law of a contact has no place in lanes
-    integer :: length, n
-    logical :: are_plain
 
-    is_done = .true.
+    if (first_group > 1) then
+      ! Reals of a lane stay: what does not fit is for an order that is set again.
+      call put_lanes(order, problem, first_group, order%n_groups, first, is_done)
+      return
+    end if
+    call make_lanes(order, problem, .true.)
+    call put_lanes(order, problem, 1, order%n_groups, 1, is_done)
+    if (is_done .or. problem%kind /= round_frictional) return
+    call make_lanes(order, problem, .false.)
+    call put_lanes(order, problem, 1, order%n_groups, 1, is_done)
+  end subroutine fill_lanes
+
+  !> Room for all groups, and what plain records of disks share.
+  pure subroutine make_lanes(order, problem, may_be_plain)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
+    logical, intent(in) :: may_be_plain !! may records of disks be plain?
+    integer :: length, n
+
     select case (problem%kind)
     case (round_frictional)
-      call find_shared(order%n, order%contact, problem%record, order%shared, are_plain)
+      order%shared = shared_of(order%n, order%contact, problem%record)
       ! Rates of a cell change biases, along tangents too.
-      length = merge(plain_length_of_disks, lane_length_of_disks, are_plain .and. .not. problem%cell%is_on)
+      length = merge(plain_length_of_disks, lane_length_of_disks, may_be_plain .and. .not. problem%cell%is_on)
     case (ball_frictional)
       length = record_length(ball_frictional)
     case default
       length = lane_length_of_arms
     end select
     if (allocated(order%lane_pair)) then
-      is_done = first_group == 1 .or. size(order%lane_record, 2) == length
-      if (.not. is_done) return
-      if (size(order%lane_pair, 3) < order%n_groups .or. size(order%lane_record, 2) /= length) &
-        deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
+      if (size(order%lane_pair, 3) >= order%n_groups .and. size(order%lane_record, 2) == length) return
+      deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
     end if
-    if (.not. allocated(order%lane_pair)) then
-      n = order%n_groups + order%n_groups/8
-      allocate (order%lane_pair(lanes, 2, n), order%lane_record(lanes, length, n), &
-                order%lane_impulse(lanes, impulse_length(problem%kind), n))
-    end if
-    associate (last => order%n_groups, sizes => order%group_size, contact => order%contact, pair => problem%pair, &
-               record => problem%record, r => problem%impulse)
+    n = order%n_groups + order%n_groups/8
+    allocate (order%lane_pair(lanes, 2, n), order%lane_record(lanes, length, n), &
+              order%lane_impulse(lanes, impulse_length(problem%kind), n))
+  end subroutine make_lanes
+
+  !> Fill groups in room that is there.
+  pure subroutine put_lanes(order, problem, first_group, last_group, first, is_done)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: first_group, last_group, first
+    logical, intent(out) :: is_done
+
+    associate (sizes => order%group_size, contact => order%contact, pair => problem%pair, record => problem%record, &
+               r => problem%impulse)
       select case (problem%kind)
       case (round_frictional)
-        call put_round_lanes(first_group, last, first, length, sizes, contact, pair, record, r, order%lane_pair, &
-                             order%lane_record, order%lane_impulse)
+        call put_round_lanes(first_group, last_group, first, size(order%lane_record, 2), order%shared, sizes, contact, pair, &
+                             record, r, order%lane_pair, order%lane_record, order%lane_impulse, is_done)
+        is_done = is_done .or. size(order%lane_record, 2) == lane_length_of_disks
       case (ball_frictional)
-        call put_ball_lanes(first_group, last, first, sizes, contact, pair, record, r, order%lane_pair, order%lane_record, &
+        is_done = .true.
+        call put_ball_lanes(first_group, last_group, first, sizes, contact, pair, record, r, order%lane_pair, order%lane_record, &
                             order%lane_impulse)
       case default
-        call put_arm_lanes(first_group, last, first, sizes, contact, pair, record, r, order%lane_pair, order%lane_record, &
+        call put_arm_lanes(first_group, last_group, first, sizes, contact, pair, record, r, order%lane_pair, order%lane_record, &
                            order%lane_impulse, is_done)
       end select
     end associate
-  end subroutine fill_lanes
-
-  !> Copy impulses from the order back to the problem.
-  pure subroutine give_impulses(order, problem)
-    type(sweep_order_t), intent(inout) :: order !! swept order
-    type(problem_t), intent(inout) :: problem !! its impulses are set
-    integer :: i, g, e
-
-    if (order%n_groups > 0) then
-      e = 0
-      do g = 1, order%n_groups
-        do i = 1, order%group_size(g)
-          e = e + 1
-          problem%impulse(:, order%contact(e)) = order%lane_impulse(i, :, g)
-        end do
-      end do
-    else if (order%solids%n_groups > 0) then
-      call give_rows(order%solids, order%contact(:order%n), problem)
-    else
-      do i = 1, order%n
-        problem%impulse(:, order%contact(i)) = order%impulse(:, i)
-      end do
-      return
-    end if
-    if (.not. order%has_copies) return
-    do i = 1, order%n
-      order%impulse(:, i) = problem%impulse(:, order%contact(i))
-    end do
-  end subroutine give_impulses
-
-  !> Copy impulses from the problem to the order, which holds its contacts already.
-  pure subroutine put_impulses(order, problem)
-    type(sweep_order_t), intent(inout) :: order !! its impulses are set
-    type(problem_t), intent(in) :: problem !! problem being swept
-    integer :: i, g, e
-
-    e = 0
-    do g = 1, order%n_groups
-      do i = 1, order%group_size(g)
-        e = e + 1
-        order%lane_impulse(i, :, g) = problem%impulse(:, order%contact(e))
-      end do
-    end do
-    if (order%solids%n_groups > 0) call put_rows(problem, order%contact(:order%n), order%solids)
-    if (.not. order%has_copies) return
-    do i = 1, order%n
-      order%impulse(:, i) = problem%impulse(:, order%contact(i))
-    end do
-  end subroutine put_impulses
-
-  !> Copy biases from the problem to the order, which holds its contacts already.
-  pure subroutine put_biases(order, problem)
-    type(sweep_order_t), intent(inout) :: order !! its records change
-    type(problem_t), intent(in) :: problem !! problem being swept
-    integer :: first, last, i, g, e
-
-    first = bias_place(problem%kind)
-    last = first + force_length(problem%kind) - 1
-    ! Plain disks have none along tangents.
-    if (problem%kind == round_frictional .and. order%n_groups > 0) then
-      if (size(order%lane_record, 2) == plain_length_of_disks) last = first
-    end if
-    e = 0
-    do g = 1, order%n_groups
-      do i = 1, order%group_size(g)
-        e = e + 1
-        order%lane_record(i, first:last, g) = problem%record(first:last, order%contact(e))
-      end do
-    end do
-    if (order%solids%n_groups > 0) call put_row_biases(problem, order%contact(:order%n), order%solids)
-    if (.not. order%has_copies) return
-    do i = 1, order%n
-      order%record(first:last, i) = problem%record(first:last, order%contact(i))
-    end do
-  end subroutine put_biases
-
-  !> List the tables of an order.
-  subroutine list_order(order, tables)
-    type(sweep_order_t), intent(in) :: order !! set or not
-    type(tables_t), intent(inout) :: tables !! list to add to
-
-    call tables%begin('order', per_contact)
-    call tables%note('contact', order%contact)
-    call tables%note('pair', order%pair)
-    call tables%note('record', order%record)
-    call tables%note('impulse', order%impulse)
-    call tables%note('chosen', order%chosen)
-    call tables%note('missed', order%missed)
-    call tables%note('dealt', order%dealt%slots)
-    call tables%note('is_dealt', order%dealt%is_dealt)
-    call tables%note('group_size', order%group_size)
-    call tables%note('lane_pair', order%lane_pair)
-    call tables%note('lane_record', order%lane_record)
-    call tables%note('lane_impulse', order%lane_impulse)
-    call tables%note('solid_last_row', order%solids%last_row)
-    call tables%note('solid_row_size', order%solids%row_size)
-    call tables%note('solid_pair', order%solids%pair)
-    call tables%note('solid_row', order%solids%row)
-    call tables%note('solid_special', order%solids%special)
-    call tables%note('block_last', order%blocks%last)
-    call tables%begin('order', per_body)
-    call tables%note('groups_of', order%groups_of)
-    call tables%note('moves', order%dealt%moves)
-  end subroutine list_order
+  end subroutine put_lanes
 end module sg_sweep_order

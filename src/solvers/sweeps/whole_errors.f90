@@ -10,7 +10,8 @@ module sg_whole_errors
   use sg_report, only: ratio, report_t
   use sg_residuals, only: find_worst, n_error_sums, set_errors, sum_errors
   use sg_run_options, only: criterion_estimate, criterion_quad, solver_options_t
-  use sg_sweep_order, only: list_order, set_order, sweep_order_t
+  use sg_order_tables, only: list_order
+  use sg_sweep_order, only: set_order, sweep_order_t
   use sg_tables, only: per_contact, tables_t
   implicit none
   private
@@ -100,14 +101,17 @@ contains
   end subroutine errors_prepare
 
   !> Find the contact of all ranks that breaks its law by the largest velocity, right after a test. Collective.
-  subroutine errors_find_worst(self, problem, comm, report)
+  subroutine errors_find_worst(self, problem, sets, comm, report)
     class(whole_errors_t), intent(in) :: self
-    type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
+    type(problem_t), intent(inout) :: problem !! this rank's part, its copies glued; comes back as it was
+    type(contact_sets_t), intent(inout) :: sets !! its contacts
     type(comm_t), intent(inout) :: comm !! the ranks
     type(report_t), intent(inout) :: report !! the velocity is set, and the contact where this rank has it, else 0
     real(wp) :: own
 
-    if (self%has_bounds) then
+    if (self%has_bounds .and. sets%errors%is_set) then
+      call sets%find_worst(problem, report%worst_contact, own)
+    else if (self%has_bounds) then
       call find_worst(problem, report%worst_contact, own, self%bounds)
     else
       call find_worst(problem, report%worst_contact, own)
@@ -120,7 +124,7 @@ contains
   !> Begin to sum the errors of all ranks, and what the active set and clusters need of them.
   subroutine errors_begin(self, problem, with_e1, sets, comm)
     class(whole_errors_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem !! this rank's part, its copies glued
+    type(problem_t), intent(inout) :: problem !! this rank's part, its copies glued; comes back as it was
     logical, intent(in) :: with_e1 !! measure e1 and e2 too, and look for velocities that are not finite
     type(contact_sets_t), intent(inout) :: sets !! its contacts; closing speeds and, where sought, squares are set
     type(comm_t), intent(inout) :: comm !! the ranks
@@ -128,7 +132,10 @@ contains
 
     sums(n_error_sums + 1) = 0
     self%has_bounds = with_e1
-    if (sets%clusters%are_sought) then
+    call sets%measure(problem, with_e1, sums(:n_error_sums))
+    if (sets%errors%is_set) then
+      continue
+    else if (sets%clusters%are_sought) then
       call sum_errors(problem, with_e1, sums(:n_error_sums), sets%clusters%squares, sets%active_set%closing, self%bounds)
     else
       call sum_errors(problem, with_e1, sums(:n_error_sums), closing=sets%active_set%closing, bounds=self%bounds)

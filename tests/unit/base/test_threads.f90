@@ -9,6 +9,7 @@ program test_threads
   use sg_error, only: diagnostics_t
   use sg_kinds, only: wp, i4, i8
   use sg_nlgs, only: nlgs_t
+  use sg_order_values, only: give_impulses
   use sg_problem, only: problem_t
   use sg_random, only: random_t
   use sg_records, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, round_frictional, &
@@ -18,7 +19,7 @@ program test_threads
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
-  use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
+  use sg_sweep_order, only: set_order, sweep_order_t
   use sg_sweeps, only: sweep, sweep_impulses
   use sg_text, only: text_t, to_text
   use sg_threads, only: threads_are_available

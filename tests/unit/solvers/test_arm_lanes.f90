@@ -5,6 +5,7 @@ program test_arm_lanes
   use harness, only: tests_t
   use sg_group_dealing, only: lanes
   use sg_kinds, only: wp, i4
+  use sg_order_values, only: give_impulses, put_biases, put_impulses
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, arm_frictional, &
@@ -12,7 +13,7 @@ program test_arm_lanes
                         arm_wnt, arm_wtt, normal_x, normal_y, velocity_x
   use sg_run_options, only: criterion_quad, solver_options_t
   use sg_sweep_arm, only: sweep_arm_frictional
-  use sg_sweep_order, only: give_impulses, put_biases, put_impulses, set_order, sweep_order_t, update_order
+  use sg_sweep_order, only: set_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
   use solver_cases, only: random_pairs
   implicit none

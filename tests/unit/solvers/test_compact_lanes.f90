@@ -4,6 +4,7 @@ program test_compact_lanes
   use harness, only: tests_t
   use sg_group_dealing, only: lanes
   use sg_kinds, only: wp, i4
+  use sg_order_values, only: give_impulses, put_biases, put_impulses
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
   use sg_records, only: ball_bias_x, ball_bias_z, ball_friction, ball_frictional, ball_inverse_i, ball_inverse_wnn, &
@@ -11,7 +12,7 @@ program test_compact_lanes
                         round_friction, round_frictional, round_inverse_i, round_inverse_my, round_inverse_wnn, &
                         round_inverse_wtt
   use sg_run_options, only: criterion_quad, solver_options_t
-  use sg_sweep_order, only: give_impulses, put_biases, put_impulses, set_order, sweep_order_t, update_order
+  use sg_sweep_order, only: set_order, sweep_order_t, update_order
   use sg_sweep_round_lanes, only: lane_length_of_disks, plain_length_of_disks
   use sg_sweeps, only: sweep, sweep_impulses
   use solver_cases, only: random_pairs

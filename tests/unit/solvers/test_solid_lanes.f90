@@ -6,6 +6,7 @@ program test_solid_lanes
   use harness, only: tests_t
   use sg_iterates, only: hold, iterates_t, step_order
   use sg_kinds, only: wp
+  use sg_order_values, only: give_impulses
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
   use sg_records, only: body_length, normal_x, normal_z, solid_arm_ax, solid_arm_az, solid_arm_cx, solid_arm_cz, solid_bias_x, &
@@ -14,7 +15,7 @@ program test_solid_lanes
                         solid_inverse_xy, solid_inverse_xz, solid_inverse_yz, solid_law, solid_s1, solid_s2, solid_spin_z, &
                         solid_tangent_x, solid_tangent_y, solid_tangent_z, solid_wn1, solid_wn2, solid_wnn, velocity_x
   use sg_run_options, only: criterion_quad, solver_options_t
-  use sg_sweep_order, only: give_impulses, set_order, sweep_order_t
+  use sg_sweep_order, only: set_order, sweep_order_t
   use sg_sweep_solid, only: sweep_solid_frictional
   use sg_sweep_solid_lanes, only: sweep_solid_lanes
   use sg_sweep_solid_order, only: lanes

@@ -2,12 +2,13 @@
 program test_sweep_order
   use harness, only: tests_t
   use sg_kinds, only: wp, i4
+  use sg_order_values, only: give_impulses
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
   use sg_records, only: arm_frictional, ball_frictional, first_inverse, normal_x, normal_z, round_frictional, solid_frictional, &
                         solid_cohesion, solid_law, solid_tangent_x, solid_tangent_z
   use sg_run_options, only: solver_options_t
-  use sg_sweep_order, only: give_impulses, refill_order, set_order, sweep_order_t, update_order
+  use sg_sweep_order, only: refill_order, set_order, sweep_order_t, update_order
   use sg_text, only: to_text
   implicit none
   integer, parameter :: kinds(4) = [round_frictional, arm_frictional, ball_frictional, solid_frictional]
