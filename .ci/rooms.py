@@ -52,7 +52,7 @@ ROOMS = {
     "output/pictures": "pictures for ParaView: bodies, shapes, contacts",
     "output/fclib": "contact problems in FCLIB files",
     "output/restart": "restart files",
-    "output/steps": "files of rows that belong to recorded steps: record, tracks, walls, regions, interfaces",
+    "output/steps": "files of rows that belong to recorded steps: record, tracks, walls, regions, subdomains, interfaces",
     "output": "record, run.json, tagged numbers, traces, progress, verdict, lock of a folder",
     "run": "a simulation: the step, the loop over steps, guards, limits, checkpoints, dumps, memory report",
     "tools": "`bench`, `partition` and `solve` behind their subcommands: benchmarks, cost model, tables",

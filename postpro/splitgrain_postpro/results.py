@@ -89,6 +89,12 @@ class Results:
         path = self.folder / "regions.csv"
         return read_tracks(path, "region") if path.exists() else {}
 
+    @cached_property
+    def subdomains(self) -> dict[str, dict[str, np.ndarray]]:
+        """subdomains.csv: for each subdomain one array per column; empty without output.subdomain_means, or without a row."""
+        path = self.folder / "subdomains.csv"
+        return read_tracks(path, "subdomain") if path.exists() else {}
+
     def interfaces(self, step: int | None = None) -> dict[str, np.ndarray]:
         """Pairs of bodies of the last recorded step up to this one, one array per column, names in `first` and `second`.
 
@@ -326,7 +332,7 @@ def _read_rows(path):
 
 
 def read_tracks(path: Path, key: str = "body") -> dict[str, dict[str, np.ndarray]]:
-    """tracks.csv, walls.csv or regions.csv as one table per body, each with one array per column; a last row cut short is left out."""
+    """tracks.csv, walls.csv, regions.csv or subdomains.csv as one table per body, one array per column; a row cut short is left out."""
     names, rows = _read_rows(path)
     if key not in names:
         raise ResultsError(f"cannot read {path}: it has no line of names")

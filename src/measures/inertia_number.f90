@@ -14,7 +14,7 @@ module sg_inertia_number
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
   implicit none
   private
-  public :: measure_inertia, measure_shear_rate, field_sums, n_field_sums, rate_of_sums
+  public :: measure_inertia, measure_shear_rate, field_sums, gradient_of, n_field_sums, rate_of_sums
 
 contains
 

@@ -14,10 +14,10 @@ module sg_former_results
   public :: check_former, check_inputs, content_of, has_results, is_within, remove_results
 
   !> What a run writes under fixed names
-  character(len=*), parameter :: result_names(29) = [character(len=23) :: 'run.json', 'record.csv', 'effective.toml', &
+  character(len=*), parameter :: result_names(30) = [character(len=23) :: 'run.json', 'record.csv', 'effective.toml', &
     'numbers.tag', 'needs.json', 'trace.csv', 'trace_steps.csv', 'spectrum.csv', 'radial_distribution.csv', &
-    'structure_factor.csv', 'tracks.csv', 'walls.csv', 'regions.csv', 'interfaces.csv', 'field_1.vtkhdf', 'field_2.vtkhdf', &
-    'field_3.vtkhdf', 'field_4.vtkhdf', &
+    'structure_factor.csv', 'tracks.csv', 'walls.csv', 'regions.csv', 'subdomains.csv', 'interfaces.csv', &
+    'field_1.vtkhdf', 'field_2.vtkhdf', 'field_3.vtkhdf', 'field_4.vtkhdf', &
     'bodies.vtkhdf', 'shapes.vtkhdf', 'contacts.vtkhdf', 'bodies.xmf', 'shapes.xmf', 'contacts.xmf', 'interfaces.vtkhdf', &
     'interfaces.xmf', 'restart_a.h5', &
     'restart_b.h5', lock_name]

@@ -46,6 +46,7 @@ contains
       call timed(measure_now, sim, phase_measure, error)
       if (sim%tracks%is_on()) call timed(measure_tracks, sim, phase_measure, error)
       if (sim%regions%is_on()) call timed(measure_regions, sim, phase_measure, error)
+      if (sim%subdomains%is_on) call timed(measure_subdomains, sim, phase_measure, error)
       call watch_energy(sim, error)
       call timed(record_now, sim, phase_output, late)
       if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
@@ -102,7 +103,7 @@ contains
     if (sim%writers%is_root) write (error_unit, '(a)') 'warning: '//warning
   end subroutine watch_energy
 
-  !> Add a row to the record, and one per tracked body, wall, region and interface to theirs; test the end conditions.
+  !> Add a row to the record, and one per tracked body, wall, region, subdomain and interface to theirs; test the end conditions.
   subroutine record_now(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
@@ -123,6 +124,8 @@ contains
       call sim%writers%walls%add(sim%step, sim%time(), sim%scene%dimension, sim%tracks, sim%cell, sim%stages%number, error)
     if (sim%regions%is_on() .and. .not. allocated(error)) &
       call sim%writers%regions%add(sim%step, sim%time(), sim%scene%dimension, sim%regions, sim%stages%number, error)
+    if (sim%subdomains%is_on .and. .not. allocated(error)) &
+      call sim%writers%subdomains%add(sim%step, sim%time(), sim%subdomains, sim%stages%number, error)
     if (sim%interfaces%is_on() .and. .not. allocated(error)) &
       call sim%writers%interfaces%add(sim%step, sim%time(), sim%interfaces, sim%stages%number, error)
     sim%means%is_recorded = .true.
@@ -263,6 +266,15 @@ contains
     call place_all_corners(sim%scene%contactors)
     call sim%regions%measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%decomposition%subdomain, sim%comm)
   end subroutine measure_regions
+
+  !> Measure the means of all subdomains. Collective.
+  subroutine measure_subdomains(sim, error)
+    type(simulation_t), intent(inout) :: sim
+    type(error_t), allocatable, intent(out) :: error
+
+    call place_all_corners(sim%scene%contactors)
+    call sim%subdomains%measure(sim%scene, sim%contacts, sim%options%substep_length(), sim%comm)
+  end subroutine measure_subdomains
 
   !> Measure the interfaces of pairs of bodies. Collective.
   subroutine measure_interfaces(sim, error)

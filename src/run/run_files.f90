@@ -10,6 +10,7 @@ module sg_run_files
   use sg_numbers, only: write_numbers
   use sg_pictures_interfaces, only: interfaces_picture_name
   use sg_region_file, only: regions_name
+  use sg_subdomain_file, only: subdomains_name
   use sg_restart_files, only: newest_restart
   use sg_run_options, only: criterion_names
   use sg_run_summary, only: write_run_summary
@@ -41,6 +42,7 @@ contains
     sim%writers%tracks%has_stages = sim%stages%number > 0
     sim%writers%walls%has_stages = sim%stages%number > 0
     sim%writers%regions%has_stages = sim%stages%number > 0
+    sim%writers%subdomains%has_stages = sim%stages%number > 0
     sim%writers%interfaces%has_stages = sim%stages%number > 0
     if (sim%options%record_every > 0) call open_record(sim, resumes, error)
     if (.not. allocated(error) .and. sim%options%record_every > 0 .and. allocated(sim%options%tracked)) then
@@ -54,6 +56,10 @@ contains
     if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%regions%is_on()) then
       call sim%writers%regions%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
       call sim%writers%summary%add_file('regions', regions_name)
+    end if
+    if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%subdomains%is_on) then
+      call sim%writers%subdomains%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)
+      call sim%writers%summary%add_file('subdomains', subdomains_name)
     end if
     if (.not. allocated(error) .and. sim%options%record_every > 0 .and. sim%interfaces%is_on()) then
       call sim%writers%interfaces%open(sim%options%folder, sim%scene%dimension, merge(sim%step, -1, resumes), error)

@@ -53,6 +53,7 @@ contains
       writers%tracks%is_root = writers%is_root
       writers%walls%is_root = writers%is_root
       writers%regions%is_root = writers%is_root
+      writers%subdomains%is_root = writers%is_root
       writers%interfaces%is_root = writers%is_root
       writers%trace%is_root = writers%is_root
       call writers%summary%describe(sim%scene, sim%options, deck, sim%comm)

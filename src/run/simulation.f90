@@ -23,6 +23,7 @@ module sg_simulation
   use sg_pusher, only: pusher_t
   use sg_records, only: force_length
   use sg_regions, only: regions_t
+  use sg_subdomain_means, only: subdomain_means_t
   use sg_report, only: coupled_effort_t, report_t
   use sg_restart_files, only: find_restarts
   use sg_restart_fit, only: holds, holds_spins
@@ -81,6 +82,8 @@ module sg_simulation
     type(tracks_t) :: tracks
     !> Regions in which indicators are measured
     type(regions_t) :: regions
+    !> Means of each subdomain
+    type(subdomain_means_t) :: subdomains
     !> Pairs of bodies whose interfaces are measured
     type(interfaces_t) :: interfaces
     !> Walls, and the cell that they enclose
@@ -190,6 +193,7 @@ contains
       end do
     end if
     if (allocated(sim%options%regions)) sim%regions%options = sim%options%regions
+    sim%subdomains%is_on = sim%options%has_subdomain_means
     if (allocated(sim%options%interfaces)) sim%interfaces%options = sim%options%interfaces
     if (sim%options%walls%is_periodic .and. sim%options%record_every > 0) call sim%cell%begin(sim%options%walls)
     if (sim%options%walls%count() == 0 .or. sim%options%record_every == 0) then

@@ -1,4 +1,5 @@
-!> Writers of a run: record, tracked bodies, walls, regions, interfaces, pictures, progress, summary, traces, structure files.
+!> Writers of a run: record, tracked bodies, walls, regions, subdomains, interfaces, pictures, progress, summary, traces,
+!! structure files.
 module sg_writers
   use sg_field_file, only: field_file_t
   use sg_interface_file, only: interface_file_t
@@ -11,6 +12,7 @@ module sg_writers
   use sg_run_trace, only: run_trace_t
   use sg_samples, only: samples_t
   use sg_structure_file, only: structure_file_t
+  use sg_subdomain_file, only: subdomain_file_t
   use sg_track_file, only: track_file_t
   use sg_wall_file, only: wall_file_t
   implicit none
@@ -23,6 +25,7 @@ module sg_writers
     type(track_file_t) :: tracks
     type(wall_file_t) :: walls
     type(region_file_t) :: regions
+    type(subdomain_file_t) :: subdomains
     type(interface_file_t) :: interfaces
     type(field_file_t), allocatable :: fields(:)
     type(pictures_t) :: pictures

@@ -109,6 +109,8 @@ module sg_run_options
     logical :: output_single = .false., output_compressed = .false.
     !> Record means over the interval between two recorded steps
     logical :: record_mean = .false.
+    !> Write means of each subdomain with each row of the record
+    logical :: has_subdomain_means = .false.
     !> Numbers of tracked bodies, ascending, and their names; unallocated where there are none
     integer(i4), allocatable :: tracked(:)
     type(text_t), allocatable :: tracked_names(:)

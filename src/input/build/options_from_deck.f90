@@ -61,6 +61,10 @@ contains
     options%output_every = deck%integer(b, 'every')
     options%record_every = deck%integer(b, 'record_every')
     options%record_mean = deck%flag(b, 'record_mean')
+    options%has_subdomain_means = deck%flag(b, 'subdomain_means')
+    if (options%has_subdomain_means .and. options%record_every == 0) &
+      call deck%warn(diagnostics, 'output.subdomain_means has no effect with output.record_every = 0', b, 'subdomain_means', &
+                     kind='subdomain means without record')
     options%output_single = deck%word(b, 'precision') == 'single'
     options%output_compressed = deck%flag(b, 'compression')
     options%restart_every = deck%integer(deck%block_of('restart'), 'every')

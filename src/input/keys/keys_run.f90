@@ -184,6 +184,9 @@ contains
     call table%add('record_mean', value_logical, 'Record means over all steps since the last row next to values of one step: '// &
                    'kinetic energy, force on walls, pressure, stress, fabric, friction.', &
                    default=true_or_false(default%record_mean))
+    call table%add('subdomain_means', value_logical, 'Write stress, fabric, compactness and velocity gradient of each '// &
+                   'subdomain with each row of the record, in subdomains.csv (guide/regions.md).', &
+                   default=true_or_false(default%has_subdomain_means))
     call table%add('precision', value_choice, 'Precision of the numbers in pictures.', &
                    default=merge('"single"', '"double"', default%output_single), choices='double|single')
     call table%add('compression', value_logical, 'Compress pictures: smaller files, slower writing.', &
