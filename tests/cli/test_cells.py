@@ -243,6 +243,30 @@ class Cells(CellCase):
             self.assertAlmostEqual(-shear / along_y, 0.25 + 1.1 * inertia, delta=0.08)
             self.assertAlmostEqual(fill, 0.81 - 0.3 * inertia, delta=0.02)
 
+    def test_stiffness(self):
+        """Probed along either axis, a pack of elastic disks has a symmetric stiffness (to 1 %, what its tolerance leaves) and a bulk
+        stiffness below that of affine motion, k z phi/(2 pi), but above half of it, as packs of more than four contacts per grain."""
+        deck = Path(__file__).resolve().parents[2] / "input_decks/talk/stiffness.toml"
+        (self.place / "deck.toml").write_text(deck.read_text().replace("[0.16, 0.24]", "[0.08, 0.12]")
+                                              .replace("[0.0, 0.0, 0.16, 0.24]", "[0.0, 0.0, 0.08, 0.12]"))
+        stored = () if self.has_hdf5() else ("--set", "restart.every=0")
+        slopes = {}
+        for axis, rates in (("xx", (1e-3, 0)), ("yy", (0, 1e-3))):
+            settings = [word for key, rate in zip(("xx", "yy"), rates, strict=True)
+                        for word in ("--set", f"stage[2].cell.strain_rate_{key}={rate}")]
+            self.call("--set", "stage[1].steps=4000", "--set", "stage[2].steps=200", *settings, *stored)
+            rows = [row for row in self.rows() if int(row["stage"]) == 2]
+            first, last = rows[0], rows[-1]
+            strain = float(last[f"strain_{axis}"]) - float(first[f"strain_{axis}"])
+            for stress in ("xx", "yy"):
+                slopes[stress + axis] = (float(last[f"stress_{stress}"]) - float(first[f"stress_{stress}"])) / strain
+        self.assertAlmostEqual(slopes["xxyy"] / slopes["yyxx"], 1.0, delta=0.01)
+        bulk = sum(slopes.values()) / 4
+        affine = 1e6 * float(last["grain_coordination"]) * float(last["compactness"]) / (2 * pi)
+        self.assertGreater(bulk, 0.5 * affine)
+        self.assertLess(bulk, affine)
+        self.assertGreater(float(last["grain_coordination"]), 4.0)
+
     def test_stress_of_a_lattice(self):
         """A square or cubic lattice of elastic grains at the distance a: the force k (2 R - a) of each contact gives the stress
         k (2 R - a)/a, in space k (2 R - a)/a^2. The gap is that which the law foresees, h a (strain rate) on from the middle of the
