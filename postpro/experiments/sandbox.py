@@ -30,10 +30,11 @@ def surface(x, y, radius, width):
     return (found + 0.5) * width, np.array([(y + radius)[columns == column].max() for column in found])
 
 
-def wedge(scene, bed):
-    """Ends of the wedge, from the pushed wall to where the surface is last a third higher than the bed, and its slope [rad]."""
+def wedge(scene, bed, wall):
+    """Ends of the wedge, from the pushed wall to where the surface is last a third higher than the bed, and its slope [rad]. Grains
+    behind the wall, which slipped under it, are left out."""
     data = scene.bodies.point_data
-    grains = np.asarray(data["is_grain"]) > 0
+    grains = (np.asarray(data["is_grain"]) > 0) & (scene.bodies.points[:, 0] > wall)
     points, radius = scene.bodies.points[grains], np.asarray(data["radius"])[grains]
     x, height = surface(points[:, 0], points[:, 1], radius, 6 * radius.mean())
     high = np.flatnonzero(height > 4 / 3 * bed)
@@ -64,9 +65,10 @@ def main(folder, angle="26"):
     x, height = surface(start[:, 0], start[:, 1], 0.0, (start[:, 0].max() - start[:, 0].min()) / 40)
     bed, left = np.median(height[20:]), start[:, 0].min()
     print(f"bed {1e3 * bed:.1f} mm; shortening [mm], length of the wedge [mm], slope, friction of the base, slope by theory")
-    for index in range(len(results.picture_times)):
+    walls = results.tracks["wall.push"]
+    for index, time in enumerate(results.picture_times):
         scene = results.scene(index)
-        found = wedge(scene, bed)
+        found = wedge(scene, bed, np.interp(time, walls["time"], walls["x"]))
         if found is None:
             continue
         friction = base_friction(scene, found[0], found[1])
