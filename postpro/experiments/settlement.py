@@ -2,7 +2,7 @@
 
 usage: PYTHONPATH=postpro python3 -P postpro/experiments/settlement.py PNG FOLDER...
 
-FOLDER is what input_decks/talk/ballast/settlement.toml leaves, one folder per sample, or a study of it
+FOLDER is what input_decks/talk/ballast/settlement.toml or settlement_in_space.toml leaves, one folder per sample, or a study of it
 (input_decks/studies/settlement.toml), whose runs are the samples of one group; samples that are named one by one are a group too.
 The settlement s_N after N cycles is how far the sleeper has sunk since the load began to swing, at the end of cycle N, when the load
 is least. The law is
@@ -32,7 +32,7 @@ def settlement(results, frequency=FREQUENCY):
     """Settlement [m] at the start of the last stage, which is zero, and after each whole cycle since then."""
     sleeper = results.tracks["sleeper"]
     first = int(np.flatnonzero(sleeper["stage"] == sleeper["stage"].max())[0])
-    time, height = sleeper["time"][first - 1 :], sleeper["y"][first - 1 :]
+    time, height = sleeper["time"][first - 1 :], sleeper["z" if "z" in sleeper else "y"][first - 1 :]
     cycles = int((time[-1] - time[0]) * frequency + 1e-6)
     return height[0] - np.interp(time[0] + np.arange(cycles + 1) / frequency, time, height)
 

@@ -105,6 +105,24 @@ class Ballast(ProgramCase):
         overlap = self.rows_of("settled", "regions.csv", region="below", stage="5")
         self.assertTrue(all(float(row["volume_error"]) < 1e-3 for row in overlap))
 
+    def test_a_sleeper_in_space_carries_cycles_of_load(self):
+        """Four cycles in space, of half the stones: contacts carry the mean load and the weight, and no overlap adds up to it."""
+        if not self.has_hdf5():
+            self.skipTest("no HDF5")
+        self.run_program("run", DECKS / "settlement_in_space.toml", "--output", "settled", "--quiet", "--set", "constants.cycles=4",
+                         "--set", "sample[1].count=100", "--set", "sample[2].count=12", "--set", "sample[3].count=12",
+                         "--set", "stage[5].solver.tolerance=1e-4")  # fmt: skip
+        cycles = self.rows_of("settled", "tracks.csv", body="sleeper", stage="5")
+        self.assertEqual(len(cycles), 4 * 5)
+        before = self.rows_of("settled", "tracks.csv", body="sleeper", stage="4")[-1]
+        self.assertLess(abs(float(before["z"]) - float(cycles[-1]["z"])), 0.02)
+        # The mean of load from 4 to 60 kN/m on 0.14 m, and the weight of a box of concrete; it ends at rest to within 0.05 m/s.
+        mass = 0.26 * 0.12 * 0.2 * 2400
+        carried = 32e3 * 0.14 + mass * 9.81
+        self.assertAlmostEqual(self.mean(cycles, "mean_force_z"), carried, delta=mass * 0.05 / (4 / 20) + 0.002 * carried)
+        overlap = self.rows_of("settled", "regions.csv", region="below", stage="5")
+        self.assertTrue(all(float(row["volume_error"]) < 1e-3 for row in overlap))
+
 
 if __name__ == "__main__":
     take_program()
