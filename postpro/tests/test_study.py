@@ -281,7 +281,7 @@ def test_keys_tell_work_apart_and_not_names(tmp_path):
 
 
 VARIED = {"friction_of_blocks": 2, "rolling_friction": 1, "subdomain_sweeps": 1, "subdomain_sweeps_few": 2, "settlement": 1,
-          "sweeps_needed": 1, "tamping_speeds": 1}
+          "settlement_in_space": 1, "sweeps_needed": 1, "tamping_speeds": 1}
 """Keys that shipped studies of any key vary"""
 
 
