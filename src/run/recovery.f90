@@ -2,19 +2,19 @@
 !! (doc/theory/recovery.md).
 !!
 !! The push is the smallest one, in the norm of the masses, that opens all contacts: a contact problem without friction whose
-!! velocities are displacements, a projection on positions [Acary2013]. Velocities and impulses stay as they are, and links keep
-!! their lengths.
+!! velocities are displacements, a projection on positions [Acary2013]. Contacts that carry impulses stay closed. Velocities and
+!! impulses stay as they are, and links keep their lengths.
 module sg_recovery
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_comm, only: comm_t
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, normal_impulse
   use sg_kinds, only: wp
   use sg_laws, only: forbidden_gap, law_rigid_wire, law_rod, status_broken
   use sg_link_contacts, only: is_link
   use sg_motion, only: shift
   use sg_problem, only: is_active, problem_t
   use sg_problem_bodies, only: take_velocities
-  use sg_push_problem, only: push_problem_t
+  use sg_push_problem, only: no_limit, push_problem_t
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   implicit none
@@ -23,9 +23,11 @@ module sg_recovery
 
   !> Largest opening of a contact that one push aims at, over the smaller of its shapes
   real(wp), parameter :: most_push = 1e-2_wp
-  !> Share of the overlap that the deck allows which a push leaves: contacts that carry stay closed, or what rests would hop
-  real(wp), parameter :: left_share = 0.5_wp
-  !> Contacts take part whose gaps are below this share of the deepest overlap
+  !> The same of one that carries, and at least this share of its overlap: a pile rises by the sum over its layers
+  real(wp), parameter :: most_carrying_push = 1e-3_wp, carrying_share = 0.1_wp
+  !> Share of the overlap that the deck allows which a push leaves: room in which contacts that carry stay closed
+  real(wp), parameter :: left_share = 0.4_wp
+  !> Contacts take part that carry, or whose gaps are below this share of the deepest overlap
   real(wp), parameter :: reach_share = 0.5_wp
   !> Sweeps of a push per step since the last look, and at most: what they leave is for the next one (theory page, table)
   integer, parameter :: sweeps_per_step = 2, most_sweeps = 50
@@ -120,15 +122,17 @@ contains
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
 
-    size_of = minval(scene%contactors%reach(contacts%contactor(:, k)))
+    associate (pair => contacts%contactor(:, k), reach => scene%contactors%reach)
+      size_of = min(reach(pair(1)), reach(pair(2)))
+    end associate
   end function size_of
 
-  !> Rows of a push: gaps that the next detection would find, of contacts that overlap or nearly do, and links.
+  !> Rows of a push: gaps that the next detection would find, of contacts that carry, overlap or nearly do, and links.
   subroutine set_push(sim, reach)
     type(simulation_t), intent(inout) :: sim
-    real(wp), intent(in) :: reach !! largest gap of a contact that takes part [m]
-    real(wp) :: jacobian(6, 2), opening, gap, size
-    logical :: is_linear
+    real(wp), intent(in) :: reach !! largest gap of a contact that takes part without carrying [m]
+    real(wp) :: jacobian(6, 2), opening, gap, room
+    logical :: carries
     integer :: k
 
     associate (push => sim%pusher%push, contacts => sim%contacts)
@@ -137,32 +141,46 @@ contains
         if (is_link(sim%scene, contacts, k)) then
           if (contacts%status(k) == status_broken) cycle
           call push%find(sim%scene, sim%pairs, contacts, k, jacobian, opening)
-          call find_slack(sim%scene, contacts, k, opening, gap, is_linear)
+          call find_slack(sim%scene, contacts, k, opening, gap, room)
         else
-          if (.not. is_active(sim%problem, k)) cycle
+          gap = gap_of(sim%scene, contacts, k)
+          carries = normal_impulse(contacts, k) > 0
+          if (.not. (carries .or. gap < reach)) cycle
           call push%find(sim%scene, sim%pairs, contacts, k, jacobian, opening)
-          gap = gap_of(sim%scene, contacts, k) + opening
-          if (.not. gap < reach) cycle
-          size = size_of(sim%scene, contacts, k)
-          gap = max(gap + left_share*sim%options%recovery*size, -most_push*size)
-          is_linear = .false.
+          call find_aim(gap + opening, size_of(sim%scene, contacts, k), carries, sim%options%recovery, gap, room)
         end if
-        call push%add(sim%pairs%slot_of(contacts%body(:, k)), jacobian, gap, is_linear)
+        call push%add(sim%pairs%slot_of(contacts%body(:, k)), jacobian, gap, room)
       end do
       call push%finish()
     end associate
   end subroutine set_push
 
+  !> What a push asks of a contact: to open to the least gap that it aims at, and, where it carries, to stay closed.
+  pure subroutine find_aim(gap, size, carries, allowed, lack, room)
+    real(wp), intent(in) :: gap, size !! at the next detection, and reach of the smaller shape [m]
+    logical, intent(in) :: carries !! does the contact carry an impulse?
+    real(wp), intent(in) :: allowed !! overlap over size that the deck allows
+    real(wp), intent(out) :: lack, room !! gap beyond the aim, and the largest one [m]
+    real(wp) :: most
+
+    most = most_push*size
+    if (carries) most = min(most, max(most_carrying_push*size, -carrying_share*gap))
+    lack = max(gap + left_share*allowed*size, -most)
+    room = no_limit
+    ! The aim is gap - lack. One that opens already, by restitution, is not closed.
+    if (carries) room = max(0.0_wp, gap) - (gap - lack)
+  end subroutine find_aim
+
   !> What a push asks of a link: a rod and a wire that pulls keep their length, so that their force stays; a slack wire and one that
   !! does not stretch become no longer than they are without force.
-  pure subroutine find_slack(scene, contacts, k, opening, slack, is_linear)
+  pure subroutine find_slack(scene, contacts, k, opening, slack, room)
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer, intent(in) :: k
     real(wp), intent(in) :: opening !! in the rest of the step [m]
-    real(wp), intent(out) :: slack !! [m]
-    logical, intent(out) :: is_linear !! does it keep its length?
+    real(wp), intent(out) :: slack, room !! of the link, and the largest one [m]
     real(wp) :: rest
+    logical :: is_linear
 
     associate (own => scene%laws(contacts%law(k)))
       rest = scene%links%length(contacts%feature(k))
@@ -170,6 +188,7 @@ contains
       slack = (1 + own%prestrain)*rest - contacts%gap(k) + opening
       is_linear = own%kind == law_rod .or. (own%kind /= law_rigid_wire .and. slack < 0)
       slack = merge(0.0_wp, max(slack, -most_push*rest), is_linear)
+      room = merge(0.0_wp, no_limit, is_linear)
     end associate
   end subroutine find_slack
 end module sg_recovery

@@ -39,7 +39,7 @@ contains
     call table%add('substeps', value_integer, 'Substeps of a step: contacts are found once per step, and follow their bodies '// &
                    'from substep to substep, each of which solves them.', default=to_text(default%substeps), least=1.0_wp)
     call table%add('recovery', value_real, 'Overlap of two shapes, over the smaller one, from which on bodies are pushed '// &
-                   'apart at the end of a step, until half of it is left; 0 for never.', &
+                   'apart at the end of a step, until 0.4 of it is left; 0 for never.', &
                    default=short_real(default%recovery), least=0.0_wp, most=1.0_wp)
     call table%add('recovery_every', value_integer, 'Steps from one look for such overlap to the next.', &
                    default=to_text(default%recovery_every), least=1.0_wp)

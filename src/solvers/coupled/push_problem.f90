@@ -1,8 +1,9 @@
 !> Contact problem of a push: displacements of bodies that open gaps (doc/theory/recovery.md).
 !!
-!! Row k asks J_k q + g_k >= 0 of the displacements q of two bodies, by a p_k >= 0 (of any sign in a linear row) that adds
-!! M^-1 J_k^T p_k to them. A row holds J and M^-1 J^T of both bodies, so that one loop serves disks, polygons, balls and solids.
-!! Only rows of gaps within reach are listed.
+!! Row k asks 0 <= J_k q + g_k <= room_k of the displacements q of two bodies, by a p_k that adds M^-1 J_k^T p_k to them: positive
+!! where the gap is 0, negative where it is the room, zero between them. A room of zero makes the row linear. A row holds J and
+!! M^-1 J^T of both bodies, so that one loop serves disks, polygons, balls and solids. Only rows of gaps within reach, of contacts
+!! that carry, and of links are listed.
 module sg_push_problem
   use sg_cell_motion, only: cell_bias
   use sg_contacts, only: contacts_t
@@ -24,6 +25,9 @@ module sg_push_problem
   private
   public :: push_problem_t
 
+  !> Room of a gap that may open as far as it does [m]; a mass times it does not overflow
+  real(wp), parameter, public :: no_limit = sqrt(huge(1.0_wp))
+
   !> Problem of one push; its room is kept for the next one
   type :: push_problem_t
     !> Rows, and components of a displacement
@@ -32,8 +36,8 @@ module sg_push_problem
     type(problem_t) :: bodies
     !> J of candidate and antagonist, M^-1 J^T of both, gap [m] and 1/(J M^-1 J^T) [kg], shape (4 width + 2, rows)
     real(wp), allocatable :: row(:, :)
-    !> Impulses times the step [kg m], and the least that they may be
-    real(wp), allocatable :: impulse(:), least(:)
+    !> Impulses times the step [kg m], and the largest gap of each row [m]
+    real(wp), allocatable :: impulse(:), room(:)
     !> Step of the velocities [s], and are there driven spins or a cell, which the records of bodies do not carry?
     real(wp), private :: h = 0
     logical, private :: has_more = .false.
@@ -80,21 +84,21 @@ contains
   pure subroutine grow(self)
     class(push_problem_t), intent(inout) :: self
     integer(i4), allocatable :: pair(:, :)
-    real(wp), allocatable :: row(:, :), impulse(:), least(:)
-    integer :: room
+    real(wp), allocatable :: row(:, :), impulse(:), rooms(:)
+    integer :: n
 
-    room = 16 + self%n + self%n/2
-    allocate (pair(2, room), row(4*self%width + 2, room), impulse(room), least(room))
+    n = 16 + self%n + self%n/2
+    allocate (pair(2, n), row(4*self%width + 2, n), impulse(n), rooms(n))
     if (self%n > 0) then
       pair(:, :self%n) = self%bodies%pair
       row(:, :self%n) = self%row
       impulse(:self%n) = self%impulse
-      least(:self%n) = self%least
+      rooms(:self%n) = self%room
     end if
     call move_alloc(pair, self%bodies%pair)
     call move_alloc(row, self%row)
     call move_alloc(impulse, self%impulse)
-    call move_alloc(least, self%least)
+    call move_alloc(rooms, self%room)
   end subroutine grow
 
   !> Kind of problem of a push: without friction.
@@ -182,16 +186,16 @@ contains
   end function opening_of
 
   !> Add a row, unless nothing can move its bodies.
-  pure subroutine push_add(self, pair, jacobian, gap, is_linear)
+  pure subroutine push_add(self, pair, jacobian, gap, room)
     class(push_problem_t), intent(inout) :: self !! begun
     integer(i4), intent(in) :: pair(2) !! slots of candidate and antagonist
     real(wp), intent(in) :: jacobian(6, 2) !! opening by displacements of the two
     real(wp), intent(in) :: gap !! opening without displacements [m]
-    logical, intent(in) :: is_linear !! may its impulse have any sign?
+    real(wp), intent(in) :: room !! largest opening with displacements [m]
     real(wp) :: moved(6), w
     integer :: i, side
 
-    if (size(self%least) == self%n) call grow(self)
+    if (size(self%room) == self%n) call grow(self)
     w = 0
     associate (n => self%width, row => self%row(:, self%n + 1))
       do side = 1, 2
@@ -209,7 +213,7 @@ contains
     self%n = self%n + 1
     self%bodies%pair(:, self%n) = pair
     self%impulse(self%n) = 0
-    self%least(self%n) = merge(-huge(w), 0.0_wp, is_linear)
+    self%room(self%n) = room
   end subroutine push_add
 
   !> Displacement of a body by an impulse along a row, M^-1 J^T [1/kg].
@@ -259,7 +263,7 @@ contains
     end do
   end subroutine push_divide
 
-  !> Squares of what rows lack [m2], without displacements and with them.
+  !> Squares of what rows lack or open too far [m2], without displacements and with them.
   pure subroutine push_measure(self, squares)
     class(push_problem_t), intent(in) :: self !! solved
     real(wp), intent(out) :: squares(2) !! sums over the rows of this rank
@@ -268,11 +272,9 @@ contains
 
     squares = 0
     do k = 1, self%n
-      ! Linear rows have no gap, and any displacement along them is one too much.
       associate (n => self%width, row => self%row(:, k), c => self%bodies%pair(1, k), a => self%bodies%pair(2, k))
         gap = row(4*n + 1) + dot_product(row(:n), self%bodies%body(:n, c)) + dot_product(row(n + 1:2*n), self%bodies%body(:n, a))
-        if (self%least(k) < 0) gap = -abs(gap)
-        squares = squares + min([row(4*n + 1), gap], 0.0_wp)**2
+        squares = squares + max(-[row(4*n + 1), gap], [row(4*n + 1), gap] - self%room(k), 0.0_wp)**2
       end associate
     end do
   end subroutine push_measure
@@ -286,7 +288,7 @@ contains
     call tables%note('row', self%row)
     call tables%note('pair', self%bodies%pair)
     call tables%note('impulse', self%impulse)
-    call tables%note('least', self%least)
+    call tables%note('room', self%room)
     call tables%begin('push', per_body)
     call tables%note('body', self%bodies%body)
   end subroutine push_list_tables

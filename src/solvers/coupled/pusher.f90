@@ -105,22 +105,22 @@ contains
     associate (bodies => push%bodies)
       select case (push%width)
       case (2)
-        call sweep_rows(2, push%n, bodies%pair, push%row, push%least, push%impulse, size(bodies%body, 1), bodies%body)
+        call sweep_rows(2, push%n, bodies%pair, push%row, push%room, push%impulse, size(bodies%body, 1), bodies%body)
       case (3)
-        call sweep_rows(3, push%n, bodies%pair, push%row, push%least, push%impulse, size(bodies%body, 1), bodies%body)
+        call sweep_rows(3, push%n, bodies%pair, push%row, push%room, push%impulse, size(bodies%body, 1), bodies%body)
       case default
-        call sweep_rows(6, push%n, bodies%pair, push%row, push%least, push%impulse, size(bodies%body, 1), bodies%body)
+        call sweep_rows(6, push%n, bodies%pair, push%row, push%room, push%impulse, size(bodies%body, 1), bodies%body)
       end select
     end associate
   end subroutine sweep
 
   !> Sweep once over arrays of rows.
-  pure subroutine sweep_rows(w, n, pair, row, least, impulse, length, body)
+  pure subroutine sweep_rows(w, n, pair, row, room, impulse, length, body)
     integer, intent(in) :: w, n, length
     integer(i4), intent(in) :: pair(2, n)
-    real(wp), intent(in) :: row(4*w + 2, n), least(n)
+    real(wp), intent(in) :: row(4*w + 2, n), room(n)
     real(wp), intent(inout) :: impulse(n), body(length, *)
-    real(wp) :: gap, change
+    real(wp) :: gap, change, lower
     integer :: k, i, c, a
 
     do k = 1, n
@@ -130,7 +130,8 @@ contains
       do i = 1, w
         gap = gap + row(i, k)*body(i, c) + row(w + i, k)*body(i, a)
       end do
-      change = max(least(k) - impulse(k), -gap*row(4*w + 2, k))
+      lower = impulse(k) - gap*row(4*w + 2, k)
+      change = max(lower, min(0.0_wp, lower + room(k)*row(4*w + 2, k))) - impulse(k)
       if (.not. abs(change) > 0) cycle
       impulse(k) = impulse(k) + change
       do i = 1, w
