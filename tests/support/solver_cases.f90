@@ -4,18 +4,20 @@ module solver_cases
   use scenes, only: begin_run, begin_scene, g, put_disk, put_polygon, put_wall
   use sg_assemble, only: assemble
   use sg_detect, only: detect
+  use sg_group_dealing, only: lanes
   use sg_kinds, only: wp, i4
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
-  use sg_records, only: arm_frictional, round_frictional, round_frictionless
+  use sg_records, only: arm_frictional, first_inverse, round_frictional, round_frictionless
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t
   implicit none
   private
-  public :: begin_step, reassemble, first_problem, make_column, random_pairs, solver_of, map_in_space, check_nothing
+  public :: begin_step, reassemble, first_problem, make_column, random_pairs, solver_of, map_in_space, check_group, &
+            check_nothing
 
   !> Time step of the problems [s]
   real(wp), parameter, public :: h = 0.01_wp
@@ -156,4 +158,20 @@ contains
     call t%check(report%is_converged, 'contacts of bodies that do not move')
     call t%near(maxval(abs(problem%impulse)), 0.0_wp, 0.0_wp, 'and they carry nothing')
   end subroutine check_nothing
+
+  !> No movable body is twice in a group of contacts that are swept side by side.
+  subroutine check_group(t, problem, pair)
+    type(tests_t), intent(inout) :: t !! counts the checks
+    type(problem_t), intent(in) :: problem !! problem with its bodies
+    integer(i4), intent(in) :: pair(:, :) !! slots of the contacts of the group
+    integer :: slots(2*size(pair, 2)), i
+    logical :: bad
+
+    slots = reshape(pair, [2*size(pair, 2)])
+    bad = size(pair, 2) > lanes
+    do i = 1, size(slots)
+      bad = bad .or. (count(slots == slots(i)) > 1 .and. any(problem%body(first_inverse(problem%kind):, slots(i)) > 0))
+    end do
+    call t%check(.not. bad, 'no movable body twice in a group of eight')
+  end subroutine check_group
 end module solver_cases

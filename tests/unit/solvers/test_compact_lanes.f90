@@ -2,8 +2,7 @@
 !! records of disks and with others; and contacts that are added where records are plain.
 program test_compact_lanes
   use harness, only: tests_t
-  use sg_group_dealing, only: lanes
-  use sg_kinds, only: wp, i4
+  use sg_kinds, only: wp
   use sg_order_values, only: give_impulses, put_biases, put_impulses
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
@@ -15,7 +14,7 @@ program test_compact_lanes
   use sg_sweep_order, only: set_order, sweep_order_t, update_order
   use sg_sweep_round_lanes, only: lane_length_of_disks, plain_length_of_disks
   use sg_sweeps, only: sweep, sweep_impulses
-  use solver_cases, only: random_pairs
+  use solver_cases, only: check_group, random_pairs
   implicit none
   !> Criteria that look at increments have records one by one beside those in lanes
   type(solver_options_t), parameter :: with_copies = solver_options_t(criterion=criterion_quad)
@@ -151,7 +150,7 @@ contains
     call t%equal(sum(int(order%group_size(:order%n_groups))), order%n, 'the groups hold all contacts')
     e = 0
     do g = 1, order%n_groups
-      call check_group(problem, order%pair(:, e + 1:e + order%group_size(g)))
+      call check_group(t, problem, order%pair(:, e + 1:e + order%group_size(g)))
       e = e + order%group_size(g)
     end do
     impulse = order%impulse(:, :order%n)
@@ -166,21 +165,6 @@ contains
                 'side by side as one by one: impulses')
     call t%check(maxval(abs(impulse - before)) > 0.1_wp, 'the sweep changed something')
   end subroutine test_same
-
-  !> No movable body is twice in a group.
-  subroutine check_group(problem, pair)
-    type(problem_t), intent(in) :: problem
-    integer(i4), intent(in) :: pair(:, :)
-    integer :: slots(2*size(pair, 2)), i
-    logical :: bad
-
-    slots = reshape(pair, [2*size(pair, 2)])
-    bad = size(pair, 2) > lanes
-    do i = 1, size(slots)
-      bad = bad .or. (count(slots == slots(i)) > 1 .and. any(problem%body(first_inverse(problem%kind):, slots(i)) > 0))
-    end do
-    call t%check(.not. bad, 'a group touches no movable body twice')
-  end subroutine check_group
 
   !> A contact out of the ordinary that is added to plain ones: all of them have long records then.
   subroutine test_added()
