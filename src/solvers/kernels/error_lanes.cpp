@@ -71,29 +71,33 @@ inline void judge_plane(const mask &in_use, bool with_e1, const vec &u_n, const 
 template <bool are_plain>
 inline void judge_round(const mask &in_use, bool with_e1, const double *record, const double *shared, const int *pair,
                         const double *impulse, const double *body, totals &to, double *closing, mask &) {
+  using namespace disk_lane;
   const auto at = [record](int place) { return load(record + lanes * place); };
   plane_bodies c, a;
   c.fetch_velocities(pair, body);
   a.fetch_velocities(pair + lanes, body);
-  const vec x = at(0), y = at(1), dx = c.x - a.x, dy = c.y - a.y, slip = y * dx - x * dy + c.turn + a.turn;
-  const vec per_n = at(are_plain ? 3 : 4), per_t = are_plain ? shared[1] * per_n : at(5), mu = are_plain ? none + shared[0] : at(6);
-  judge_plane(in_use, with_e1, x * dx + y * dy + at(2), are_plain ? slip : slip + at(3), load(impulse), load(impulse + lanes), mu,
-              mu > none ? smaller(per_n, per_t) : per_n, to, closing);
+  const vec x = at(normal_x), y = at(normal_y), dx = c.x - a.x, dy = c.y - a.y, slip = y * dx - x * dy + c.turn + a.turn;
+  const vec per_n = at(are_plain ? int{plain_inverse_wnn} : int{inverse_wnn});
+  const vec per_t = are_plain ? shared[1] * per_n : at(inverse_wtt), mu = are_plain ? none + shared[0] : at(friction);
+  judge_plane(in_use, with_e1, x * dx + y * dy + at(bias_n), are_plain ? slip : slip + at(bias_t), load(impulse),
+              load(impulse + lanes), mu, mu > none ? smaller(per_n, per_t) : per_n, to, closing);
 }
 
 // Four contacts with arms; a lane in use that stands for a contact that takes no part has lost its record.
 inline void judge_arm(const mask &in_use, bool with_e1, const double *record, const double *, const int *pair,
                       const double *impulse, const double *body, totals &to, double *closing, mask &is_lost) {
+  using namespace arm_lane;
   const auto at = [record](int place) { return load(record + lanes * place); };
   plane_bodies c, a;
   c.fetch_velocities(pair, body);
   a.fetch_velocities(pair + lanes, body);
-  const vec x = at(0), y = at(1), dx = c.x - a.x, dy = c.y - a.y, nn = at(8), nt = at(9), tt = at(10), mu = at(11);
+  const vec x = at(normal_x), y = at(normal_y), dx = c.x - a.x, dy = c.y - a.y, mu = at(friction);
+  const vec nn = at(w_nn), nt = at(w_nt), tt = at(w_tt);
   const vec half = 0.5 * (nn - tt), largest = 0.5 * (nn + tt) + root(half * half + nt * nt);
   is_lost |= in_use & (mu < none);
-  judge_plane(in_use, with_e1, x * dx + y * dy + at(2) * c.turn - at(4) * a.turn + at(6),
-              y * dx - x * dy + at(3) * c.turn - at(5) * a.turn + at(7), load(impulse), load(impulse + lanes), larger(mu, none),
-              1.0 / larger(largest, none + least), to, closing);
+  judge_plane(in_use, with_e1, x * dx + y * dy + at(moment_nc) * c.turn - at(moment_na) * a.turn + at(bias_n),
+              y * dx - x * dy + at(moment_tc) * c.turn - at(moment_ta) * a.turn + at(bias_t), load(impulse), load(impulse + lanes),
+              larger(mu, none), 1.0 / larger(largest, none + least), to, closing);
 }
 
 // Squares of the map of balls: normal parts x and r_n of the point and of the impulse, and their parts across.
@@ -109,15 +113,17 @@ inline vec space_square(const vec &x, const vec &r_n, const vec &mu, const vec &
 // Four contacts of balls.
 inline void judge_ball(const mask &in_use, bool with_e1, const double *record, const double *, const int *pair,
                        const double *impulse, const double *body, totals &to, double *closing, mask &) {
+  using namespace ball_lane;
   const auto at = [record](int place) { return load(record + lanes * place); };
   space_bodies c, a;
   c.fetch(pair, body);
   a.fetch(pair + lanes, body);
-  const vec x = at(0), y = at(1), z = at(2), wx = c.sx + a.sx, wy = c.sy + a.sy, wz = c.sz + a.sz, mu = at(8);
-  const vec ux = c.x - a.x + at(3) - wy * z + wz * y, uy = c.y - a.y + at(4) - wz * x + wx * z;
-  const vec uz = c.z - a.z + at(5) - wx * y + wy * x;
-  const vec rx = load(impulse), ry = load(impulse + lanes), rz = load(impulse + 2 * lanes), per_n = at(6);
-  const vec rho = mu > none ? smaller(per_n, at(7)) : per_n, unit = rho > none ? one : none;
+  const vec x = at(normal_x), y = at(normal_y), z = at(normal_z), mu = at(friction);
+  const vec wx = c.sx + a.sx, wy = c.sy + a.sy, wz = c.sz + a.sz;
+  const vec ux = c.x - a.x + at(bias_x) - wy * z + wz * y, uy = c.y - a.y + at(bias_y) - wz * x + wx * z;
+  const vec uz = c.z - a.z + at(bias_z) - wx * y + wy * x;
+  const vec rx = load(impulse), ry = load(impulse + lanes), rz = load(impulse + 2 * lanes), per_n = at(inverse_wnn);
+  const vec rho = mu > none ? smaller(per_n, at(inverse_wtt)) : per_n, unit = rho > none ? one : none;
   const vec per_mass = rho > none ? 1.0 / divisor(rho) : none;
   const vec u_n = x * ux + y * uy + z * uz, r_n = x * rx + y * ry + z * rz;
   const vec v[3] = {ux - u_n * x, uy - u_n * y, uz - u_n * z}, t[3] = {rx - r_n * x, ry - r_n * y, rz - r_n * z};

@@ -12,6 +12,18 @@ typedef long long mask __attribute__((vector_size(32)));
 
 constexpr int lanes = 8, width = 4, halves = lanes / width;
 
+// Places of a contact in a lane, from zero: those of sg_records; records of plain disks are shorter.
+namespace disk_lane {
+enum { normal_x, normal_y, bias_n, bias_t, inverse_wnn, inverse_wtt, friction, full_length };
+enum { plain_inverse_wnn = bias_n + 1, plain_length };
+}    // namespace disk_lane
+namespace arm_lane {
+enum { normal_x, normal_y, moment_nc, moment_tc, moment_na, moment_ta, bias_n, bias_t, w_nn, w_nt, w_tt, friction, lane_length };
+}    // namespace arm_lane
+namespace ball_lane {
+enum { normal_x, normal_y, normal_z, bias_x, bias_y, bias_z, inverse_wnn, inverse_wtt, friction, lane_length };
+}    // namespace ball_lane
+
 inline vec load(const double *from) { return *reinterpret_cast<const loose *>(from); }
 inline void store(const vec &v, double *to) { *reinterpret_cast<loose *>(to) = v; }
 

@@ -7,8 +7,8 @@
 
 namespace {
 constexpr int ahead = 4, before_turn = 32;    // groups, and contacts one by one, by which records are asked for before their turn
-// Places of sg_records, from zero.
-enum { normal_x, normal_y, moment_nc, moment_tc, moment_na, moment_ta, bias_n, bias_t, w_nn, w_nt, w_tt, friction, lane_length };
+using namespace arm_lane;
+// Places of sg_records beyond those of a lane.
 enum { cohesion = lane_length, compliance_n, compliance_t, law, record_length };
 typedef plane_bodies bodies;
 

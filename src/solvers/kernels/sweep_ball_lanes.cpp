@@ -7,8 +7,7 @@
 
 namespace {
 constexpr int ahead = 6, bodies_ahead = 3;    // groups by which records, and bodies, are asked for before their turn
-// Places of a contact in a lane, from zero: those of sg_records.
-enum { normal_x, normal_y, normal_z, bias_x, bias_y, bias_z, inverse_wnn, inverse_wtt, friction, lane_length };
+using namespace ball_lane;
 
 inline bool any_negative(const vec &v) { return v[0] < 0 || v[1] < 0 || v[2] < 0 || v[3] < 0; }
 

@@ -8,9 +8,7 @@
 namespace {
 // Groups by which records, and bodies where they come from far, are asked for before their turn: so many fill the second cache.
 constexpr int ahead = 6, bodies_ahead = 3, many_bodies = 80000;
-// Places of a contact in a lane, from zero: those of sg_records, or of plain contacts.
-enum { normal_x, normal_y, bias_n, bias_t, inverse_wnn, inverse_wtt, friction, full_length };
-enum { plain_inverse_wnn = bias_n + 1, plain_length };
+using namespace disk_lane;
 
 // Four contacts; plain ones share friction, and the ratio of 1/W_tt to 1/W_nn.
 template <bool are_plain>
