@@ -133,13 +133,7 @@ contains
     sums(n_error_sums + 1) = 0
     self%has_bounds = with_e1
     call sets%measure(problem, with_e1, sums(:n_error_sums))
-    if (sets%errors%is_set) then
-      continue
-    else if (sets%clusters%are_sought) then
-      call sum_errors(problem, with_e1, sums(:n_error_sums), sets%clusters%squares, sets%active_set%closing, self%bounds)
-    else
-      call sum_errors(problem, with_e1, sums(:n_error_sums), closing=sets%active_set%closing, bounds=self%bounds)
-    end if
+    if (.not. sets%errors%is_set) call sum_one_by_one(self, problem, with_e1, sets, sums(:n_error_sums))
     if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, are_finite(size(problem%body), problem%body))
     sums(n_error_sums + 2) = square_of_change(self, problem)
     increments = 0
@@ -148,6 +142,21 @@ contains
     self%active = nint(sums(6))
     call comm%begin_sum(sum_of_test, [sums, increments])
   end subroutine errors_begin
+
+  !> Sum the errors of the contacts of this rank from the records of the problem.
+  subroutine sum_one_by_one(self, problem, with_e1, sets, sums)
+    class(whole_errors_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    logical, intent(in) :: with_e1
+    type(contact_sets_t), intent(inout) :: sets
+    real(wp), intent(out) :: sums(n_error_sums)
+
+    if (sets%clusters%are_sought) then
+      call sum_errors(problem, with_e1, sums, sets%clusters%squares, sets%active_set%closing, self%bounds)
+    else
+      call sum_errors(problem, with_e1, sums, closing=sets%active_set%closing, bounds=self%bounds)
+    end if
+  end subroutine sum_one_by_one
 
   !> What all contacts of this rank ask: in the order of sweep where there is one, else in their natural order.
   subroutine measure_increments(self, problem, sets, sums)
