@@ -32,7 +32,7 @@ module sg_carry
 
   !> Alert distance of a pair that is measured again: none [m]
   real(wp), parameter :: far = 1e100_wp
-  !> Ways to carry a contact: one by one, with its neighbours as two disks or two spheres, or with them as following in the plane
+  !> Manners to carry a contact: one by one, with its neighbours as two disks or two spheres, or with them as following in the plane
   integer(i1), parameter :: by_itself = 0, by_centres = 1, by_faces = 2
 
   !> What carries contacts between the substeps of a step
@@ -40,7 +40,7 @@ module sg_carry
     !> Body whose face each contact lies on, one of `face_of_*`, shape (contacts); not allocated where no scene has followers
     integer(i1), allocatable, private :: face(:)
     !> How each contact is carried, one of `by_*`, shape (contacts); not allocated where all are carried one by one
-    integer(i1), allocatable, private :: way(:)
+    integer(i1), allocatable, private :: manner(:)
     !> Configuration of the last substep, as `middle` of the bodies, and the turn of each body since: cosine and sine, in space a
     !! quaternion, shape (2 or 4, bodies)
     real(wp), allocatable, private :: before(:, :), turn(:, :)
@@ -73,7 +73,7 @@ contains
         self%has_runs = self%has_runs .or. any(kind == [kind_disk, kind_sphere, kind_polygon])
       end associate
     end do
-    if (self%has_runs) call find_ways(self, scene, contacts)
+    if (self%has_runs) call find_manners(self, scene, contacts)
     if (.not. self%has_followers) return
     call reserve(self%face, contacts%n)
     do k = 1, contacts%n
@@ -87,21 +87,21 @@ contains
   end subroutine carry_begin
 
   !> Find how each contact is carried.
-  subroutine find_ways(self, scene, contacts)
+  subroutine find_manners(self, scene, contacts)
     class(carry_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene
     type(contacts_t), intent(in) :: contacts
     integer :: k
 
-    call reserve(self%way, contacts%n)
+    call reserve(self%manner, contacts%n)
     do k = 1, contacts%n
       associate (kind_c => scene%contactors%kind(contacts%contactor(1, k)), &
                  kind_a => scene%contactors%kind(contacts%contactor(2, k)))
-        self%way(k) = merge(by_centres, by_itself, kind_c == kind_a .and. (kind_c == kind_disk .or. kind_c == kind_sphere))
-        if (kind_c == kind_polygon) self%way(k) = by_faces
+        self%manner(k) = merge(by_centres, by_itself, kind_c == kind_a .and. (kind_c == kind_disk .or. kind_c == kind_sphere))
+        if (kind_c == kind_polygon) self%manner(k) = by_faces
       end associate
     end do
-  end subroutine find_ways
+  end subroutine find_manners
 
   !> Bring all contacts to where their bodies are now.
   subroutine carry_move(self, scene, contacts, places_shapes, is_fast)
@@ -122,7 +122,7 @@ contains
         k = k + 1
         cycle
       end if
-      if (self%way(k) == by_faces) then
+      if (self%manner(k) == by_faces) then
         call follow_faces(last - k + 1, size(self%before, 1), scene%bodies%n, self%face(k:last), contacts%body(:, k:last), &
                           contacts%image(k:last), scene%period, self%before, scene%bodies%middle, self%turn, &
                           contacts%normal(:, k:last), contacts%point(:, k:last), contacts%gap(k:last))
@@ -148,9 +148,9 @@ contains
 
     last = first - 1
     if (.not. self%has_runs) return
-    if (self%way(first) == by_itself) return
+    if (self%manner(first) == by_itself) return
     do while (last < min(n, first + chunk - 1))
-      if (self%way(last + 1) /= self%way(first)) exit
+      if (self%manner(last + 1) /= self%manner(first)) exit
       last = last + 1
     end do
   end function last_alike
@@ -319,7 +319,7 @@ contains
 
     call tables%begin('carry', per_contact)
     call tables%note('face', self%face)
-    call tables%note('way', self%way)
+    call tables%note('manner', self%manner)
     call tables%begin('carry', per_body)
     call tables%note('before', self%before)
     call tables%note('turn', self%turn)
@@ -330,7 +330,7 @@ contains
     class(carry_t), intent(in) :: self
     integer, intent(in) :: n_contacts !! contacts of a step
 
-    bytes = growth_of(self%face, n_contacts) + growth_of(self%way, n_contacts)
+    bytes = growth_of(self%face, n_contacts) + growth_of(self%manner, n_contacts)
   end function carry_growth
 
   !> That of one list of bytes.

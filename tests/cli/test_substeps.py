@@ -188,8 +188,8 @@ class Substeps(ProgramCase):
             "[[container]]\nsize = [0.3, 0.2, 0.3]\n", FLOOR).replace("[0.0, 0.0, 0.0, 0.3, 0.2, 0.2]", "[0.0, 0.0, 0.6, 0.4]")
         polygons += 'shape = "polygon"\n'
         start = {"step_start.position", "step_start.velocity", "step_start.angle"}
-        for text, own in ((polygons, start | {"carry.face", "carry.before", "carry.turn", "carry.way"}),
-                          (SPHERES, {"step_start.position", "step_start.velocity", "step_start.orientation", "carry.way"})):
+        for text, own in ((polygons, start | {"carry.face", "carry.before", "carry.turn", "carry.manner"}),
+                          (SPHERES, {"step_start.position", "step_start.velocity", "step_start.orientation", "carry.manner"})):
             for count in (1, 3):
                 with self.subTest(own=own, count=count):
                     self.run_deck(text, "out", "--quiet", "--force", "--needs", "--set", f"time.substeps={count}")

@@ -98,8 +98,7 @@ contains
   !> Work of moments on the relative spins of contacts [J].
   pure real(wp) function work_of_moments(contacts, velocity, spin) result(work)
     type(contacts_t), intent(in) :: contacts
-    real(wp), intent(in), contiguous :: velocity(:, :)
-    real(wp), intent(in), contiguous :: spin(:, :)
+    real(wp), intent(in), contiguous :: velocity(:, :), spin(:, :)
     real(wp) :: moment(3)
     integer :: k
 
