@@ -8,16 +8,19 @@ module solver_cases
   use sg_kinds, only: wp, i4
   use sg_motion, only: predict
   use sg_nlgs, only: nlgs_t
+  use sg_order_values, only: give_impulses
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
   use sg_records, only: arm_frictional, first_inverse, round_frictional, round_frictionless
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e8
   use sg_simulation, only: simulation_t
+  use sg_sweep_order, only: sweep_order_t
+  use sg_sweeps, only: sweep, sweep_impulses
   implicit none
   private
-  public :: begin_step, reassemble, first_problem, make_column, random_pairs, solver_of, map_in_space, check_group, &
-            check_nothing
+  public :: begin_step, reassemble, first_problem, make_column, random_pairs, solver_of, map_in_space, &
+            check_nothing, check_side_by_side
 
   !> Time step of the problems [s]
   real(wp), parameter, public :: h = 0.01_wp
@@ -159,11 +162,45 @@ contains
     call t%near(maxval(abs(problem%impulse)), 0.0_wp, 0.0_wp, 'and they carry nothing')
   end subroutine check_nothing
 
+  !> One sweep over an order side by side, and over its copies one by one, with all groups of the order: the same up to rounding.
+  subroutine check_side_by_side(t, problem, order, is_wanted, relaxation)
+    type(tests_t), intent(inout) :: t !! counts the checks
+    type(problem_t), intent(inout) :: problem !! problem with its bodies; is swept
+    type(sweep_order_t), intent(inout) :: order !! order of the wanted contacts, with copies; is swept
+    logical, intent(in) :: is_wanted(:) !! which contacts the order should hold
+    real(wp), intent(in) :: relaxation !! share of the change of impulses
+    real(wp), allocatable :: impulse(:, :), body(:, :), before(:, :)
+    integer :: k, seen(size(is_wanted)), e, g
+
+    seen = 0
+    do k = 1, order%n
+      seen(order%contact(k)) = seen(order%contact(k)) + 1
+    end do
+    call t%check(all(seen == merge(1, 0, is_wanted)), 'each wanted contact is dealt once, no other')
+    call t%equal(sum(int(order%group_size(:order%n_groups))), order%n, 'the groups hold all contacts')
+    e = 0
+    do g = 1, order%n_groups
+      call check_group(t, problem, order%pair(:, e + 1:e + order%group_size(g)))
+      e = e + order%group_size(g)
+    end do
+    impulse = order%impulse(:, :order%n)
+    before = impulse
+    body = problem%body
+    call sweep_impulses(problem%kind, order, problem%n_bodies, relaxation, impulse, body)
+    call sweep(problem%kind, order, problem%n_bodies, relaxation, problem%body)
+    call give_impulses(order, problem)
+    ! Sums in another order: rounding, carried from contact to contact through the sweep.
+    call t%near(maxval(abs(problem%body - body)), 0.0_wp, 1e-11_wp*maxval(abs(body)), 'side by side as one by one: bodies')
+    call t%near(maxval(abs(problem%impulse(:, order%contact(:order%n)) - impulse)), 0.0_wp, 1e-11_wp*maxval(abs(impulse)), &
+                'side by side as one by one: impulses')
+    call t%check(maxval(abs(impulse - before)) > 0.1_wp, 'the sweep changed something')
+  end subroutine check_side_by_side
+
   !> No movable body is twice in a group of contacts that are swept side by side.
   subroutine check_group(t, problem, pair)
-    type(tests_t), intent(inout) :: t !! counts the checks
-    type(problem_t), intent(in) :: problem !! problem with its bodies
-    integer(i4), intent(in) :: pair(:, :) !! slots of the contacts of the group
+    type(tests_t), intent(inout) :: t
+    type(problem_t), intent(in) :: problem
+    integer(i4), intent(in) :: pair(:, :)
     integer :: slots(2*size(pair, 2)), i
     logical :: bad
 

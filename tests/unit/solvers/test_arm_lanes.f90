@@ -15,7 +15,7 @@ program test_arm_lanes
   use sg_sweep_arm, only: sweep_arm_frictional
   use sg_sweep_order, only: set_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
-  use solver_cases, only: check_group, random_pairs
+  use solver_cases, only: check_side_by_side, random_pairs
   implicit none
   !> Criteria that look at increments have records one by one beside those in lanes
   type(solver_options_t), parameter :: with_copies = solver_options_t(criterion=criterion_quad)
@@ -93,9 +93,8 @@ contains
     type(problem_t) :: problem
     type(sweep_order_t) :: order
     type(random_t) :: random
-    real(wp), allocatable :: impulse(:, :), body(:, :), before(:, :)
     logical, allocatable :: is_wanted(:)
-    integer :: k, seen(n), e, g
+    integer :: k
 
     call random%seed(37)
     call random_problem(random, n_bodies, n, problem)
@@ -106,28 +105,7 @@ contains
     problem%record(arm_bias_n:arm_bias_t, :n) = problem%record(arm_bias_n:arm_bias_t, :n) - 0.05_wp
     call put_impulses(order, problem)
     call put_biases(order, problem)
-    seen = 0
-    do k = 1, order%n
-      seen(order%contact(k)) = seen(order%contact(k)) + 1
-    end do
-    call t%check(all(seen == merge(1, 0, is_wanted)), 'each wanted contact is dealt once, no other')
-    call t%equal(sum(int(order%group_size(:order%n_groups))), order%n, 'the groups hold all contacts')
-    e = 0
-    do g = 1, order%n_groups
-      call check_group(t, problem, order%pair(:, e + 1:e + order%group_size(g)))
-      e = e + order%group_size(g)
-    end do
-    impulse = order%impulse(:, :order%n)
-    before = impulse
-    body = problem%body
-    call sweep_arm_frictional(order%n, n_bodies, order%pair, order%record, relaxation, impulse, body)
-    call sweep(arm_frictional, order, n_bodies, relaxation, problem%body)
-    call give_impulses(order, problem)
-    ! Sums in another order: rounding, carried from contact to contact through the sweep.
-    call t%near(maxval(abs(problem%body - body)), 0.0_wp, 1e-11_wp*maxval(abs(body)), 'side by side as one by one: bodies')
-    call t%near(maxval(abs(problem%impulse(:, order%contact(:order%n)) - impulse)), 0.0_wp, 1e-11_wp*maxval(abs(impulse)), &
-                'side by side as one by one: impulses')
-    call t%check(maxval(abs(impulse - before)) > 0.1_wp, 'the sweep changed something')
+    call check_side_by_side(t, problem, order, is_wanted, relaxation)
   end subroutine test_same
 
   !> Contacts between two bodies that nothing moves, so that each is solved alone: blocks of any condition and size, singular ones

@@ -3,7 +3,7 @@
 program test_compact_lanes
   use harness, only: tests_t
   use sg_kinds, only: wp
-  use sg_order_values, only: give_impulses, put_biases, put_impulses
+  use sg_order_values, only: put_biases, put_impulses
   use sg_problem, only: problem_t, reserve_problem
   use sg_random, only: random_t
   use sg_records, only: ball_bias_x, ball_bias_z, ball_friction, ball_frictional, ball_inverse_i, ball_inverse_wnn, &
@@ -13,8 +13,7 @@ program test_compact_lanes
   use sg_run_options, only: criterion_quad, solver_options_t
   use sg_sweep_order, only: set_order, sweep_order_t, update_order
   use sg_sweep_round_lanes, only: lane_length_of_disks, plain_length_of_disks
-  use sg_sweeps, only: sweep, sweep_impulses
-  use solver_cases, only: check_group, random_pairs
+  use solver_cases, only: check_side_by_side, random_pairs
   implicit none
   !> Criteria that look at increments have records one by one beside those in lanes
   type(solver_options_t), parameter :: with_copies = solver_options_t(criterion=criterion_quad)
@@ -127,9 +126,8 @@ contains
     type(problem_t) :: problem
     type(sweep_order_t) :: order
     type(random_t) :: random
-    real(wp), allocatable :: impulse(:, :), body(:, :), before(:, :)
     logical, allocatable :: is_wanted(:)
-    integer :: k, seen(n), e, g
+    integer :: k
 
     call random%seed(37)
     call random_problem(random, kind, are_plain, n_bodies, n, problem)
@@ -142,28 +140,7 @@ contains
     problem%record(merge(round_bias_n, ball_bias_x, kind == round_frictional), :n) = 0.05_wp
     call put_impulses(order, problem)
     call put_biases(order, problem)
-    seen = 0
-    do k = 1, order%n
-      seen(order%contact(k)) = seen(order%contact(k)) + 1
-    end do
-    call t%check(all(seen == merge(1, 0, is_wanted)), 'each wanted contact is dealt once, no other')
-    call t%equal(sum(int(order%group_size(:order%n_groups))), order%n, 'the groups hold all contacts')
-    e = 0
-    do g = 1, order%n_groups
-      call check_group(t, problem, order%pair(:, e + 1:e + order%group_size(g)))
-      e = e + order%group_size(g)
-    end do
-    impulse = order%impulse(:, :order%n)
-    before = impulse
-    body = problem%body
-    call sweep_impulses(kind, order, n_bodies, relaxation, impulse, body)
-    call sweep(kind, order, n_bodies, relaxation, problem%body)
-    call give_impulses(order, problem)
-    ! Sums in another order: rounding, carried from contact to contact through the sweep.
-    call t%near(maxval(abs(problem%body - body)), 0.0_wp, 1e-11_wp*maxval(abs(body)), 'side by side as one by one: bodies')
-    call t%near(maxval(abs(problem%impulse(:, order%contact(:order%n)) - impulse)), 0.0_wp, 1e-11_wp*maxval(abs(impulse)), &
-                'side by side as one by one: impulses')
-    call t%check(maxval(abs(impulse - before)) > 0.1_wp, 'the sweep changed something')
+    call check_side_by_side(t, problem, order, is_wanted, relaxation)
   end subroutine test_same
 
   !> A contact out of the ordinary that is added to plain ones: all of them have long records then.
