@@ -10,6 +10,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from beds import bed  # noqa: E402
 from program_case import ProgramCase, take_program  # noqa: E402
 
 SPACE = "[scene]\ndimension = 3\n"
@@ -24,35 +25,7 @@ density = 2500.0
 [[law]]
 friction = 0.3
 """
-BED = """[[container]]
-name = "box"
-size = [0.6, 0.3, 0.5]
-[[sample]]
-kind = "lattice"
-shape = "sphere"
-box = [0.0, 0.0, 0.0, 0.6, 0.3, 0.45]
-radius = [0.03, 0.04]
-spacing = 1.1
-"""
-PLANE_BED = """[[wall]]
-from = [-0.1, -0.05]
-to = [1.1, -0.05]
-thickness = 0.1
-[[wall]]
-from = [-0.05, 0.0]
-to = [-0.05, 0.6]
-thickness = 0.1
-[[wall]]
-from = [1.05, 0.0]
-to = [1.05, 0.6]
-thickness = 0.1
-[[sample]]
-kind = "lattice"
-shape = "polygon"
-box = [0.0, 0.0, 1.0, 0.5]
-radius = [0.03, 0.04]
-spacing = 1.1
-"""
+BED, PLANE_BED = bed(3, "sphere", [0.03, 0.04]), bed(2, "polygon", [0.03, 0.04])
 RECORDED = ("volume_error", "coordination", "mean_velocity", "max_velocity", "shear_rate", "single_contacts", "double_contacts",
             "triple_contacts")
 

@@ -8,6 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from beds import bed  # noqa: E402
 from program_case import ProgramCase, take_program  # noqa: E402
 
 DECK = """[scene]
@@ -25,35 +26,8 @@ density = 2500.0
 friction = 0.3
 """
 # Grains of one size, so that the volume of a subdomain's grains follows from their number.
-PLANE = DECK.format(dimension=2) + """[[wall]]
-from = [-0.1, -0.05]
-to = [1.1, -0.05]
-thickness = 0.1
-[[wall]]
-from = [-0.05, 0.0]
-to = [-0.05, 0.6]
-thickness = 0.1
-[[wall]]
-from = [1.05, 0.0]
-to = [1.05, 0.6]
-thickness = 0.1
-[[sample]]
-kind = "lattice"
-shape = "disk"
-box = [0.0, 0.0, 1.0, 0.5]
-radius = 0.035
-spacing = 1.1
-"""
-SPACE = DECK.format(dimension=3) + """[[container]]
-name = "box"
-size = [0.6, 0.3, 0.5]
-[[sample]]
-kind = "lattice"
-shape = "sphere"
-box = [0.0, 0.0, 0.0, 0.6, 0.3, 0.45]
-radius = 0.035
-spacing = 1.1
-"""
+PLANE = DECK.format(dimension=2) + bed(2, "disk", 0.035)
+SPACE = DECK.format(dimension=3) + bed(3, "sphere", 0.035)
 AXES = {PLANE: "xy", SPACE: "xyz"}
 
 
