@@ -58,12 +58,15 @@ contains
   subroutine write_files(sim, error)
     type(simulation_t), intent(inout) :: sim
     type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: none
 
     associate (writers => sim%writers)
       if (writers%has_pictures .and. (is_due(sim, sim%options%output_every) .or. is_last(sim))) &
         call writers%pictures%write(sim%scene, sim%contacts, sim%time(), sim%step, sim%comm, error, &
                                     interfaces=sim%interfaces)
       if (.not. allocated(error) .and. writers%has_checkpoints) then
+        ! From the last checkpoint a run that is killed before its files are closed closes them with these measures.
+        if (is_last(sim)) call timed(measure_now, sim, phase_measure, none)
         if (is_due(sim, sim%options%restart_every) .or. (is_last(sim) .and. sim%options%restart_at_end) .or. &
             sim%comm%any(checkpoint_requested())) call save_once(sim, error)
       end if
@@ -289,6 +292,15 @@ contains
   subroutine measure_now(sim, error)
     type(simulation_t), intent(inout) :: sim !! after a step; its measures are set
     type(error_t), allocatable, intent(out) :: error !! never set
+
+    if (sim%writers%measured_step == sim%step) return
+    call take_measures(sim)
+    sim%writers%measured_step = sim%step
+  end subroutine measure_now
+
+  !> Take all measures of the present step.
+  subroutine take_measures(sim)
+    type(simulation_t), intent(inout) :: sim
     real(wp) :: sums(n_passage_sums)
 
     call place_all_corners(sim%scene%contactors)
@@ -303,5 +315,5 @@ contains
       call count_passages(sim%scene, sim%comm, sums)
       measures%column = [measures%column, passage_columns(sums)]
     end associate
-  end subroutine measure_now
+  end subroutine take_measures
 end module sg_after_step

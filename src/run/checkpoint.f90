@@ -79,6 +79,7 @@ contains
     state%stages = sim%stages%pack()
     state%cell = sim%scene%cell%pack()
     state%length = [sim%options%substep_length()]
+    if (sim%writers%measured_step == sim%step) state%measures = sim%writers%measures%column%value
     call keep_list(sim, state%built)
     call write_restart(sim%options%folder, state, sim%comm, error)
   end subroutine save_checkpoint
@@ -263,6 +264,7 @@ contains
     call sim%tracks%unpack(state%tracks)
     call sim%means%unpack(state%means)
     call unpack_fields(sim%fields, state%fields, sim%comm)
+    call take_measures(sim, state%measures)
     if (.not. sim%stages%begins) call sim%stop%unpack(state%stop)
     call sim%energy%leave_to_first(sim%comm)
     call sim%tracks%leave_to_first(sim%comm)
@@ -272,6 +274,16 @@ contains
     if (allocated(sim%scene%gravity_changes)) sim%scene%gravity = gravity_in(state)
     call sim%energy%change_gravity(sim%scene, gravity_in(state))
   end subroutine take_state
+
+  !> Take the measures of the state, where they are those that this run takes.
+  pure subroutine take_measures(sim, measures)
+    type(simulation_t), intent(inout) :: sim
+    real(wp), intent(in) :: measures(:)
+
+    if (size(measures) == 0 .or. size(measures) /= size(sim%writers%measures%column)) return
+    sim%writers%measures%column%value = measures
+    sim%writers%measured_step = sim%step
+  end subroutine take_measures
 
   !> Give impulses the length of the substeps to come: forces stay as they are, and impulses are those of forces over a substep.
   pure subroutine fit_impulses_to_step(sim, length)

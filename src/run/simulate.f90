@@ -10,6 +10,7 @@ module sg_simulate
   use sg_comm, only: comm_t
   use sg_error, only: diagnostics_t, error_t, exit_done, exit_not_converged, exit_stopped
   use sg_failure, only: is_of_the_step, keep_failed_step, save_dump, trace_last
+  use sg_former_results, only: is_within
   use sg_kinds, only: wp
   use sg_memory_report, only: report_memory
   use sg_methods, only: is_swept
@@ -21,7 +22,7 @@ module sg_simulate
   use sg_run_summary, only: ranks_words
   use sg_simulation, only: decompose, simulation_t, start_simulation
   use sg_stages, only: stages_t
-  use sg_system, only: stop_signal
+  use sg_system, only: file_exists, stop_signal
   use sg_text, only: counted, to_text
   use sg_timers, only: wall_now
   use sg_tunnelling, only: warn_of_tunnelling
@@ -205,18 +206,31 @@ contains
     if (allocated(error)) return
     if (sim%writers%is_root) call warnings%print(error_unit)
     if (sim%stages%number > 0) sim%stages%list(sim%stages%number)%origin = sim%scene%start_time
-    if (resumes .and. sim%step >= sim%options%steps) return
+    if (resumes .and. sim%step >= sim%options%steps .and. .not. lacks_end(sim)) return
     goes_on = .true.
     if (.not. sim%is_continued) call claim_folder(sim%options, sim%comm, goes_on, error)
     if (allocated(error)) return
     sim%writers%has_folder = .true.
     call remove_former(sim, goes_on)
+    if (resumes .and. goes_on) sim%writers%saved_step = sim%step
     call decompose(sim, error)
     if (allocated(error)) return
     if (sim%scene%bodies%has_presence) call hide_absent(sim%scene%bodies)
     call sim%tracks%begin(sim%scene, sim%comm)
     call open_files(sim, resumes, error)
   end subroutine begin
+
+  !> Was the run killed after its last checkpoint, before it closed its files? Then they are closed now. Collective.
+  logical function lacks_end(sim)
+    type(simulation_t), intent(inout) :: sim
+
+    associate (options => sim%options)
+      lacks_end = sim%comm%rank == 0 .and. sim%step == options%steps .and. sim%writers%measured_step == sim%step
+      if (lacks_end) lacks_end = is_within(options%restart_file, options%folder) .and. &
+                                 .not. file_exists(options%folder//'/run.json')
+    end associate
+    lacks_end = sim%comm%any(lacks_end)
+  end function lacks_end
 
   !> The steps.
   subroutine loop(sim, code, error)

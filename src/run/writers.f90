@@ -41,8 +41,8 @@ module sg_writers
     logical :: has_pictures = .false., has_checkpoints = .false.
     !> Has this run claimed its folder, so that it may write there? Has it done a step?
     logical :: has_folder = .false., has_stepped = .false.
-    !> Step of the last checkpoint written; negative where there is none
-    integer :: saved_step = -1
+    !> Step of the last checkpoint written, and of the last measures; negative where there is none
+    integer :: saved_step = -1, measured_step = -1
     !> Has a warning been given that the energy balance does not close?
     logical :: has_warned = .false.
   end type writers_t

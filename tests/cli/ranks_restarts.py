@@ -81,6 +81,22 @@ class Restarts(Ranks):
             except OSError:
                 file.truncate(max(0, file.tell() - 4096))
 
+    def test_files_that_a_killed_run_left_open_are_closed(self):
+        """A run killed after its last checkpoint, before it wrote its summary, has the numbers of the run that was not."""
+        deck = self.deck(PRESSED)
+        for ranks, every in ((1, 0), (1, 7), (2, 0), (2, 7)):
+            with self.subTest(ranks=ranks, every=every):
+                words = ["--set", f"output.record_every={every}", "--set", "time.steps=20"]
+                self.run_ranks(ranks, deck, *words)
+                ended, folder = self.run_json(), self.place / "out"
+                numbers = (folder / "numbers.tag").read_text()
+                for name in ("run.json", "numbers.tag"):
+                    (folder / name).unlink()
+                self.run_ranks(ranks, deck, *words, "--restart", "out")
+                self.assertEqual((folder / "numbers.tag").read_text(), numbers)
+                for name in ("status", "steps", "time", "kinetic_energy", "file_restart"):
+                    self.assertEqual(self.run_json()[name], ended[name], name)
+
     def test_full_disk(self):
         small = self.place / "small"
         small.mkdir()

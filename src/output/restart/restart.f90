@@ -62,6 +62,8 @@ module sg_restart
     real(wp), allocatable :: cell(:)
     !> Length of the last substep [s], over which impulses are; empty in files that have none
     real(wp), allocatable :: length(:)
+    !> Measures of this step in the order of record.csv; empty where they were not taken
+    real(wp), allocatable :: measures(:)
   end type restart_t
 
 contains
@@ -156,6 +158,7 @@ contains
     call put_optional(file, '/fields', state%fields)
     call put_optional(file, '/cell', state%cell)
     call put_optional(file, '/length', state%length)
+    call put_optional(file, '/measures', state%measures)
     call put_sealed(file, '/built', state%built)
     call put_fields(file, '/bodies', state%bodies)
     call put_fields(file, '/contacts', state%contacts)
@@ -270,6 +273,7 @@ contains
     call get_optional(file, '/fields', state%fields)
     call get_optional(file, '/cell', state%cell)
     call get_optional(file, '/length', state%length)
+    call get_optional(file, '/measures', state%measures)
     ! One rank alone takes up its list of neighbours.
     if (ranks%size == 1) call file%get('/built', state%built)
     if (.not. allocated(state%built)) allocate (state%built(0, 0))
