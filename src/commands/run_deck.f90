@@ -136,7 +136,7 @@ contains
     sim%preparation = former%preparation
     sim%effort = former%effort
     sim%gluing_traffic = former%gluing_traffic
-    sim%writers%measures = former%writers%measures
+    sim%writers%outputs = former%writers%outputs
     sim%writers%has_stepped = former%writers%has_stepped
     sim%writers%has_warned = former%writers%has_warned
     sim%writers%saved_step = former%writers%saved_step

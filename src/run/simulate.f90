@@ -87,12 +87,18 @@ contains
     call leave_folder(sim%options, sim%comm)
   end subroutine simulate
 
-  !> Print title, plan, solver, outputs and number of steps.
+  !> Print title, plan, solver, outputs and number of steps; of a stage that goes on after another one what differs.
   subroutine print_opening(sim)
-    type(simulation_t), intent(in) :: sim
+    type(simulation_t), intent(inout) :: sim !! its line of outputs is set
+    character(len=:), allocatable :: former
 
+    if (allocated(sim%writers%outputs)) former = sim%writers%outputs
+    sim%writers%outputs = describe_outputs(sim%options)
     if (sim%is_continued) then
       call print_line(describe_stage(sim))
+      if (allocated(former)) then
+        if (former /= sim%writers%outputs) call print_line(sim%writers%outputs)
+      end if
       return
     end if
     if (allocated(sim%options%title)) then
@@ -146,10 +152,8 @@ contains
     type(run_options_t), intent(in) :: options
     type(stages_t), intent(in) :: stages
     type(comm_t), intent(in) :: comm
-    character(len=:), allocatable :: text, at_end
+    character(len=:), allocatable :: text
 
-    at_end = ''
-    if (options%restart_at_end) at_end = trim(merge(' and at the end       ', ' except one at the end', options%restart_every > 0))
     text = ''
     if (comm%size > 1) &
       text = 'ranks      '//ranks_words(comm%size, comm%n_processes())//', split by '//trim(options%partition%split)// &
@@ -157,20 +161,8 @@ contains
     text = text//'solver     '//trim(options%solver%method)//' until '//trim(criterion_names(options%solver%criterion))//' <= ' &
            //to_text(options%solver%tolerance, 2)//', at most '//to_text(options%solver%maximum_sweeps) &
            //trim(merge(' sweeps    ', ' iterations', is_swept(options%solver%method)))//new_line('a') &
-           //'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', ' &
-           //every('checkpoints', options%restart_every)//at_end//new_line('a')//'time       '//steps() &
-           //'; results in '//options%folder
+           //describe_outputs(options)//new_line('a')//'time       '//steps()//'; results in '//options%folder
   contains
-    pure function every(what, steps)
-      character(len=*), intent(in) :: what
-      integer, intent(in) :: steps
-      character(len=:), allocatable :: every
-
-      every = 'no '//what
-      if (steps == 1) every = what//' every step'
-      if (steps > 1) every = what//' every '//to_text(steps)//' steps'
-    end function every
-
     pure function steps()
       character(len=:), allocatable :: steps
 
@@ -189,6 +181,27 @@ contains
       if (number > 1) substeps = ' in '//to_text(number)//' substeps each'
     end function substeps
   end function describe_run
+
+  !> What is written and when, in a line.
+  pure function describe_outputs(options) result(text)
+    type(run_options_t), intent(in) :: options
+    character(len=:), allocatable :: text
+
+    text = 'outputs    '//every('record', options%record_every)//', '//every('pictures', options%output_every)//', '// &
+           every('checkpoints', options%restart_every)
+    if (options%restart_at_end) &
+      text = text//trim(merge(' and at the end       ', ' except one at the end', options%restart_every > 0))
+  contains
+    pure function every(what, steps)
+      character(len=*), intent(in) :: what
+      integer, intent(in) :: steps
+      character(len=:), allocatable :: every
+
+      every = 'no '//what
+      if (steps == 1) every = what//' every step'
+      if (steps > 1) every = what//' every '//to_text(steps)//' steps'
+    end function every
+  end function describe_outputs
 
   !> Load a checkpoint where there is one, claim the folder of the results unless there is nothing to do, split the scene over the
   !! ranks, and open all files.

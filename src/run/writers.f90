@@ -43,6 +43,8 @@ module sg_writers
     logical :: has_folder = .false., has_stepped = .false.
     !> Step of the last checkpoint written, and of the last measures; negative where there is none
     integer :: saved_step = -1, measured_step = -1
+    !> What is written and when, as it was printed last
+    character(len=:), allocatable :: outputs
     !> Has a warning been given that the energy balance does not close?
     logical :: has_warned = .false.
   end type writers_t

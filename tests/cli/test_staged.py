@@ -5,6 +5,7 @@ usage: test_staged.py PROGRAM MPIEXEC [unittest options]
 """
 
 import json
+import re
 import sys
 import unittest
 from math import ceil, pi
@@ -232,9 +233,11 @@ class Staged(ProgramCase):
         self.assertEqual([row["step"] for row in self.rows()], [str(step) for step in range(31, 71)])
 
     def test_pictures_of_one_stage(self):
-        """Pictures are those of the stages that ask for them, in one file."""
-        self.write(DISK, ["steps = 20", "steps = 20\n[stage.output]\nevery = 5", "steps = 20"])
-        self.call()
+        """Pictures are those of the stages that ask for them, in one file; the log tells what is written where it changes."""
+        self.write(DISK, ["steps = 20", "steps = 20\n[stage.output]\nevery = 5", "steps = 10", "steps = 10"])
+        outputs = [line for line in self.call().stdout.splitlines() if line.startswith("outputs")]
+        self.assertEqual([re.search("(no )?pictures[^,]*", line)[0] for line in outputs],
+                         ["no pictures", "pictures every 5 steps", "no pictures"])
         try:
             import h5py
         except ImportError:
