@@ -23,10 +23,12 @@ module sg_stop
     !> The conditions, and in how many recorded steps in a row each has held
     type(expression_t), allocatable, private :: condition(:)
     integer, allocatable, private :: held(:)
+    !> Of each condition the first variable, by its place and by its name; 0 and no name where it has none
+    integer, allocatable, private :: first(:)
+    type(text_t), allocatable, private :: names(:)
     !> The condition that ended the run, 0 for none; when, and the value of its first variable
     integer :: met = 0
     real(wp) :: time = 0, value = 0
-    character(len=:), allocatable, private :: variable
   contains
     procedure :: is_on => stop_is_on
     procedure :: begin => stop_begin
@@ -79,23 +81,29 @@ contains
     if (.not. self%is_on()) return
     allocate (self%condition(size(self%texts)))
     if (.not. allocated(self%held)) allocate (self%held(size(self%texts)), source=0)
+    allocate (self%first(size(self%texts)), self%names(size(self%texts)))
     do i = 1, size(self%texts)
       call parse_expression(self%texts(i)%s, variables, self%condition(i), mistake, column)
-      if (.not. allocated(mistake)) cycle
-      call fail(error, 'stop.when "'//self%texts(i)%s//'": '//mistake)
-      return
+      if (allocated(mistake)) then
+        call fail(error, 'stop.when "'//self%texts(i)%s//'": '//mistake)
+        return
+      end if
+      associate (condition => self%condition(i))
+        self%first(i) = findloc(condition%instruction, do_variable, 1)
+        if (self%first(i) > 0) self%first(i) = nint(condition%operand(self%first(i)))
+      end associate
+      if (self%first(i) > 0) self%names(i)%s = variables(self%first(i))%s
     end do
   end subroutine stop_begin
 
   !> Test the conditions in a recorded step; `met` is set where one has held long enough. The root rank decides. Collective.
-  subroutine stop_test(self, time, values, variables, comm)
+  subroutine stop_test(self, time, values, comm)
     class(stop_t), intent(inout) :: self
     real(wp), intent(in) :: time !! end of the step [s]
     real(wp), intent(in) :: values(:) !! of the variables
-    type(text_t), intent(in) :: variables(:) !! of `stop_variables`
     type(comm_t), intent(inout) :: comm !! the ranks
     real(wp) :: truth
-    integer :: i, first
+    integer :: i
 
     do i = 1, size(self%condition)
       truth = self%condition(i)%at(values)
@@ -105,14 +113,9 @@ contains
     call comm%broadcast(self%held, 0)
     self%met = findloc(self%held >= self%needed, .true., 1)
     if (self%met == 0) return
-    associate (condition => self%condition(self%met))
-      first = findloc(condition%instruction, do_variable, 1)
-      self%time = time
-      if (first == 0) return
-      first = nint(condition%operand(first))
-      self%value = values(first)
-      self%variable = variables(first)%s
-    end associate
+    self%time = time
+    if (self%first(self%met) == 0) return
+    self%value = values(self%first(self%met))
     call comm%broadcast(self%value, 0)
   end subroutine stop_test
 
@@ -123,10 +126,10 @@ contains
 
     reason = 'end condition "'//self%texts(self%met)%s//'" at '//to_text(self%time, 4)//' s'
     if (self%needed > 1) reason = reason//' for '//to_text(self%needed)//' recorded steps'
-    if (allocated(self%variable)) reason = reason//': '//self%variable//' is '//to_text(self%value, 4)
+    if (self%first(self%met) > 0) reason = reason//': '//self%names(self%met)%s//' is '//to_text(self%value, 4)
   end function stop_reason
 
-  !> How long conditions have held, for restart files: a mark of each and its count.
+  !> How long conditions have held, for restart files: a mark of each and its count; of a run that one has ended, its value.
   pure function stop_pack(self) result(values)
     class(stop_t), intent(in) :: self
     real(wp), allocatable :: values(:)
@@ -137,12 +140,14 @@ contains
     do i = 1, size(self%held)
       values = [values, mark_of(self%texts(i)%s), real(self%held(i), wp)]
     end do
+    if (self%met > 0) values = [values, self%value]
   end function stop_pack
 
-  !> The counts back, of the conditions that are the same.
-  pure subroutine stop_unpack(self, values)
+  !> The counts back, of the conditions that are the same; one that has held long enough has ended the run.
+  pure subroutine stop_unpack(self, values, time)
     class(stop_t), intent(inout) :: self
     real(wp), intent(in) :: values(:) !! what `pack` gave
+    real(wp), intent(in) :: time !! of the state [s]
     integer :: i, k
 
     if (.not. self%is_on()) return
@@ -153,6 +158,10 @@ contains
         self%held(i) = nint(values(k + 1))
       end do
     end do
+    self%met = findloc(self%held >= self%needed, .true., 1)
+    if (self%met == 0) return
+    self%time = time
+    if (mod(size(values), 2) == 1) self%value = values(size(values))
   end subroutine stop_unpack
 
   !> A number by which texts are distinguished.

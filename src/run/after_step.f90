@@ -144,7 +144,7 @@ contains
 
     values = columns%value
     if (sim%tracks%is_on()) values = [values, reshape(sim%tracks%value, [size(sim%tracks%value)])]
-    call sim%stop%test(sim%time(), values, end_variables(sim, columns), sim%comm)
+    call sim%stop%test(sim%time(), values, sim%comm)
   end subroutine test_end
 
   !> Names of the values that end conditions may use.

@@ -265,7 +265,7 @@ contains
     call sim%means%unpack(state%means)
     call unpack_fields(sim%fields, state%fields, sim%comm)
     call take_measures(sim, state%measures)
-    if (.not. sim%stages%begins) call sim%stop%unpack(state%stop)
+    if (.not. sim%stages%begins) call sim%stop%unpack(state%stop, state%time)
     call sim%energy%leave_to_first(sim%comm)
     call sim%tracks%leave_to_first(sim%comm)
     call sim%means%leave_to_first(sim%comm)

@@ -68,8 +68,7 @@ contains
     ! From now on steps and searches compare the time themselves, and a checkpoint can be written.
     call end_after(0.0_wp)
     if (.not. sim%writers%has_folder) then
-      if (.not. (allocated(error) .or. sim%options%is_quiet) .and. sim%writers%is_root) call print_line(&
-        'nothing to do: step '//to_text(sim%step)//' of '//to_text(sim%options%steps)//' ('//sim%options%restart_file//')')
+      if (.not. (allocated(error) .or. sim%options%is_quiet) .and. sim%writers%is_root) call print_line(nothing_to_do(sim))
       return
     end if
     if (.not. allocated(error)) call loop(sim, code, error)
@@ -86,6 +85,15 @@ contains
     if (.not. allocated(error) .and. allocated(late)) call move_alloc(late, error)
     call leave_folder(sim%options, sim%comm)
   end subroutine simulate
+
+  !> Where the run had ended already, in a line.
+  function nothing_to_do(sim) result(text)
+    type(simulation_t), intent(in) :: sim
+    character(len=:), allocatable :: text
+
+    text = 'nothing to do: step '//to_text(sim%step)//' of '//to_text(sim%options%steps)//' ('//sim%options%restart_file//')'
+    if (sim%stop%met > 0) text = text//', '//sim%stop%reason()
+  end function nothing_to_do
 
   !> Print title, plan, solver, outputs and number of steps; of a stage that goes on after another one what differs.
   subroutine print_opening(sim)
@@ -219,7 +227,9 @@ contains
     if (allocated(error)) return
     if (sim%writers%is_root) call warnings%print(error_unit)
     if (sim%stages%number > 0) sim%stages%list(sim%stages%number)%origin = sim%scene%start_time
-    if (resumes .and. sim%step >= sim%options%steps .and. .not. lacks_end(sim)) return
+    if (resumes .and. is_at_end(sim)) then
+      if (.not. lacks_end(sim)) return
+    end if
     goes_on = .true.
     if (.not. sim%is_continued) call claim_folder(sim%options, sim%comm, goes_on, error)
     if (allocated(error)) return
@@ -238,7 +248,7 @@ contains
     type(simulation_t), intent(inout) :: sim
 
     associate (options => sim%options)
-      lacks_end = sim%comm%rank == 0 .and. sim%step == options%steps .and. sim%writers%measured_step == sim%step
+      lacks_end = sim%comm%rank == 0 .and. sim%step <= options%steps .and. sim%writers%measured_step == sim%step
       if (lacks_end) lacks_end = is_within(options%restart_file, options%folder) .and. &
                                  .not. file_exists(options%folder//'/run.json')
     end associate
@@ -252,7 +262,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     code = exit_done
-    do while (sim%step < sim%options%steps .and. code == exit_done .and. sim%stop%met == 0)
+    do while (code == exit_done .and. .not. is_at_end(sim))
       call begin_trace(sim)
       call advance(sim, error)
       if (sim%dump%is_begun) call save_dump(sim, sim%step + merge(1, 0, allocated(error)))
@@ -296,6 +306,13 @@ contains
 
     must_stop = stop_signal() /= 0
     if (sim%options%deadline > 0) must_stop = must_stop .or. wall_now() > sim%options%deadline
-    must_stop = must_stop .and. sim%step < sim%options%steps .and. sim%stop%met == 0
+    must_stop = must_stop .and. .not. is_at_end(sim)
   end function must_stop
+
+  !> Are all steps done, or has an end condition been met?
+  pure logical function is_at_end(sim)
+    type(simulation_t), intent(in) :: sim
+
+    is_at_end = sim%step >= sim%options%steps .or. sim%stop%met > 0
+  end function is_at_end
 end module sg_simulate

@@ -120,7 +120,15 @@ class Stops(ProgramCase):
         self.assertEqual(straight["steps"], int(0.5e3 / G) + 1 + 29)
         (self.place / "deck.toml").write_text(START.format(stop=stop) + BALL + TRACK)
         self.run_program("run", "deck.toml", "--output", "out", "--restart", "out/restart_a.h5")
-        for key in ("steps", "reason", "stop_condition", "stop_time", "stop_value"):
+        same = ("steps", "reason", "stop_condition", "stop_time", "stop_value", "kinetic_energy")
+        for key in same:
+            self.assertEqual(self.run_json()[key], straight[key])
+        # The run has ended: nothing is left to do, except for files that a killed run has not closed.
+        done = self.run_program("run", "deck.toml", "--output", "out", "--restart", "out")
+        self.assertIn(f"nothing to do: step {straight['steps']} of 500 (out), {straight['reason']}", done.stdout)
+        (self.place / "out" / "run.json").unlink()
+        self.run_program("run", "deck.toml", "--output", "out", "--restart", "out")
+        for key in same:
             self.assertEqual(self.run_json()[key], straight[key])
 
     def test_ranks(self):
