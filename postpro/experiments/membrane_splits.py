@@ -1,7 +1,7 @@
 """The biaxial test between membranes on 1, 4, 16 and 64 subdomains, and overlap at the cuts between them.
 
 usage: PYTHONPATH=postpro:postpro/experiments python3 -P postpro/experiments/membrane_splits.py PROGRAM FOLDER
-         [curves] [recovered] [overlaps]
+         [curves] [recovered] [overlaps] [rigid]
 
 `curves`: input_decks/talk/membrane_biaxial.toml with half the radii and half the step from one consolidated state, SEEDS runs on one
 subdomain that differ in the order of sweeps and three of each split (`dual`), judged as in doc/theory/decomposition_study.md
@@ -10,7 +10,8 @@ when left out. `recovered`: the same with overlap undone, on 16 subdomains.
 
 `overlaps`: the test of that study between rigid walls (input_decks/decomposition/biaxial_compression.toml), whose overlaps at cuts
 grew: by plain sweeps as there, by the default solver, with overlap undone (`time.recovery`), and glued by `primal`; and the test
-between membranes with overlap undone and without.
+between membranes with overlap undone and without. `rigid`: RIGID_SEEDS runs of that test on one subdomain and three on 16, by the
+default solver without recovery and with it, judged as in that study.
 
 All subdomains share one process (`partition.parts`). Runs that are in FOLDER are not made again. doc/talk/membrane_biaxial.md shows
 what it gave.
@@ -33,7 +34,8 @@ SEEDS = 12
 #: Subdomains: boxes, runs, colour (64 subdomains in one process cost 17 times as much as one)
 SPLITS = {4: ([2, 2], 3, GREEN), 16: ([4, 4], 3, ORANGE), 64: ([8, 8], 3, VERMILION)}
 CURVES = ("compactness", "deviator")
-LABELS = {"compactness": "compactness", "deviator": "deviatoric over confining stress"}
+RIGID_CURVES = ("compactness", "stress_ratio")
+LABELS = {"compactness": "compactness", "deviator": "deviatoric over confining stress", "stress_ratio": "stress ratio"}
 DEFAULT = {"method": '"nesterov"', "check_every": 0}
 #: Ways to solve, for overlaps: solver, gluing, recovery
 WAYS = {
@@ -42,7 +44,7 @@ WAYS = {
     "default, dual, recovery 1e-3": (DEFAULT, "dual", 1e-3),
     "default, primal": (DEFAULT, "primal", 0),
 }
-RIGID_STEPS = 600  # 6 % of strain
+RIGID_STEPS, RIGID_RATE, RIGID_SEEDS = 600, 0.1, 20  # 6 % of strain by 0.1 1/s
 
 
 def cut(parts, gluing="dual"):
@@ -65,14 +67,18 @@ def columns(folder):
 
 
 def bands(runner, recovery=0, splits=tuple(SPLITS)):
-    """Runs on one subdomain, and those of each split; table and figure of what they give."""
+    """Bands of the test between membranes: table and figure of the runs on one subdomain and of each split."""
     ones = [columns(shortened(runner, 1, seed, recovery)) for seed in range(1, 1 + SEEDS)]
     runs = {parts: [columns(shortened(runner, parts, seed, recovery)) for seed in range(1, 1 + SPLITS[parts][1])] for parts in splits}
-    rows = [row for curve in CURVES for row in verdicts(curve, [run[curve] for run in ones],
-                                                        {parts: [run[curve] for run in found] for parts, found in runs.items()})]
-    name = "membrane_bands" + ("_recovered" if recovery else "")
+    write_bands(runner, "membrane_bands" + ("_recovered" if recovery else ""), CURVES, ones, runs)
+
+
+def write_bands(runner, name, names, ones, runs):
+    """Table and figure of runs on one subdomain, and of those of each split."""
+    rows = [row for curve in names for row in verdicts(curve, [run[curve] for run in ones],
+                                                       {parts: [run[curve] for run in found] for parts, found in runs.items()})]
     runner.write(name, rows)
-    draw_bands(runner.folder / f"{name}.png", ones, runs)
+    draw_bands(runner.folder / f"{name}.png", names, ones, runs)
 
 
 def verdicts(curve, ones, splits):
@@ -98,10 +104,10 @@ def line(curve, run, share, out, passes="", shift=""):
             "within the worst": passes, "mean of the last third, difference": shift}
 
 
-def draw_bands(path, ones, splits):
+def draw_bands(path, names, ones, splits):
     """Both curves against strain, over the band of one subdomain."""
     figure = new_figure(9, 4)
-    for ax, curve in zip(figure.subplots(1, 2), CURVES):
+    for ax, curve in zip(figure.subplots(1, 2), names):
         strain, band = 100 * ones[0]["strain"], np.array([run[curve] for run in ones])
         ax.fill_between(strain, band.min(0), band.max(0), color="#CFCFCF", lw=0, label=f"1 subdomain: {len(band)} orders")
         ax.plot(strain, band[0], color=BLACK, lw=1, label="1 subdomain, the first of them")
@@ -114,10 +120,34 @@ def draw_bands(path, ones, splits):
     figure.savefig(path, dpi=110)
 
 
+def rigid_start(runner):
+    """The dense sample between rigid walls: its folder."""
+    return runner.run("rigid_start", RIGID, time={"steps": 600}, restart={"every": 600}, anywhere={"law[1].friction": 1e-6})
+
+
+def sheared(runner, parts, seed, recovery):
+    """Columns of one run between rigid walls in a shuffled order."""
+    state = rigid_start(runner)
+    begin, name = summary(state), f"rigid_{parts}_seed_{seed}" + ("_recovered" if recovery else "")
+    results = runner.run(name, RIGID, state=newest(state), partition=cut(parts), solver={"order": '"shuffled"', "order_seed": seed},
+                         time={"steps": begin["steps"] + RIGID_STEPS, "recovery": recovery})
+    rows = record(results)
+    rows = rows[rows["time"] > begin["time"]]
+    ratio = (rows["stress_yy"] - rows["stress_xx"]) / (rows["stress_yy"] + rows["stress_xx"])
+    return {"strain": RIGID_RATE * (rows["time"] - begin["time"]), "compactness": rows["compactness"], "stress_ratio": ratio}
+
+
+def rigid_bands(runner, recovery):
+    """Bands of the test between rigid walls, on 16 subdomains."""
+    ones = [sheared(runner, 1, seed, recovery) for seed in range(1, 1 + RIGID_SEEDS)]
+    runs = {16: [sheared(runner, 16, seed, recovery) for seed in range(1, 1 + SPLITS[16][1])]}
+    write_bands(runner, "rigid_bands" + ("_recovered" if recovery else ""), RIGID_CURVES, ones, runs)
+
+
 def pressed_between(runner, parts, way):
     """One run of the test between rigid walls: its folder."""
     solver, gluing, recovery = WAYS[way]
-    state = runner.run("rigid_start", RIGID, time={"steps": 600}, restart={"every": 600}, anywhere={"law[1].friction": 1e-6})
+    state = rigid_start(runner)
     name = f"rigid_{parts}_{list(WAYS).index(way)}"
     return runner.run(name, RIGID, state=newest(state), partition=cut(parts, gluing), solver=solver,
                       output={"every": RIGID_STEPS // 3}, time={"steps": summary(state)["steps"] + RIGID_STEPS, "recovery": recovery})  # fmt: skip
@@ -165,6 +195,9 @@ def main(program, folder, *studies):
         bands(runner, 1e-3, (16,))
     if "overlaps" in studies or not studies:
         overlaps(runner)
+    if "rigid" in studies or not studies:
+        rigid_bands(runner, 1e-3)
+        rigid_bands(runner, 0)
 
 
 if __name__ == "__main__":
