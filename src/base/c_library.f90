@@ -1,9 +1,9 @@
-!> Procedures of the C library that several modules call: files, signals, lengths of texts.
+!> Procedures of the C library that several modules call: files, signals, the end of a process, lengths of texts.
 module sg_c_library
   use, intrinsic :: iso_c_binding, only: c_char, c_funptr, c_int, c_intptr_t, c_long, c_ptr, c_size_t
   implicit none
   private
-  public :: c_fclose, c_fileno, c_fopen, c_fseek, c_fsync, c_fwrite, c_signal, c_strlen, c_write, from_start
+  public :: c_exit_now, c_fclose, c_fileno, c_fopen, c_fseek, c_fsync, c_fwrite, c_signal, c_strlen, c_write, from_start
 
   !> What C calls SEEK_SET
   integer(c_int), parameter :: from_start = 0
@@ -56,6 +56,10 @@ module sg_c_library
       type(c_funptr), value :: handler
       type(c_funptr) :: before
     end function c_signal
+    subroutine c_exit_now(code) bind(c, name='_exit')
+      import :: c_int
+      integer(c_int), value :: code
+    end subroutine c_exit_now
     pure function c_strlen(text) bind(c, name='strlen') result(length)
       import :: c_ptr, c_size_t
       type(c_ptr), value :: text

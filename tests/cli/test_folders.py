@@ -334,6 +334,24 @@ class Faults(Folders):
         with h5py.File(problem) as file:
             self.assertEqual(file["solution/r"].shape, file["fclib_local/vectors/q"].shape)
 
+    def test_a_dataset_larger_than_its_file_is_not_copied(self):
+        """HDF5 crashes where it copies a dataset whose header claims more bytes than there are."""
+        if not self.has_hdf5() or h5py is None:
+            self.skipTest("built without HDF5, or no h5py")
+        self.run_deck("--quiet", "--dump", "120")
+        problem = self.place / "out" / "dump-120-local.hdf5"
+        with h5py.File(problem) as file:
+            item = file["fclib_local/W/p"].id
+            place, size = item.get_offset(), item.get_storage_size()
+        layout = place.to_bytes(8, "little") + size.to_bytes(8, "little")
+        data = problem.read_bytes()
+        self.assertEqual(data.count(layout), 1)
+        before = data.replace(layout, place.to_bytes(8, "little") + (size + 2**40).to_bytes(8, "little"))
+        problem.write_bytes(before)
+        done = self.run_program("solve", "out/dump-120-local.hdf5", "--write", "--force", code=2)
+        self.assertIn("cannot copy what it holds, is the file damaged?", done.stderr)
+        self.assertEqual(problem.read_bytes(), before)
+
 
 if __name__ == "__main__":
     take_program()

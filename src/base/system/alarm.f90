@@ -1,7 +1,7 @@
 !> A timer of the system that ends the program while there is nothing to save: before the first step of a run.
 module sg_alarm
   use, intrinsic :: iso_c_binding, only: c_int, c_intptr_t, c_long, c_size_t, c_char, c_new_line, c_funptr, c_funloc
-  use sg_c_library, only: c_signal, c_write
+  use sg_c_library, only: c_exit_now, c_signal, c_write
   use sg_error, only: exit_stopped
   use sg_kinds, only: wp
   implicit none
@@ -23,10 +23,6 @@ module sg_alarm
       type(itimer_t), intent(out) :: before
       integer(c_int) :: status
     end function c_setitimer
-    subroutine c_exit_now(code) bind(c, name='_exit')
-      import :: c_int
-      integer(c_int), value :: code
-    end subroutine c_exit_now
   end interface
 
 contains

@@ -142,7 +142,7 @@ module sg_hdf5
 
     !> Copy all that another file holds, except one object of its root, into a new file; neither is shared by ranks.
     module subroutine file_take(self, source, except)
-      class(hdf5_file_t), intent(inout) :: self
+      class(hdf5_file_t), intent(inout) :: self !! file in memory
       class(hdf5_file_t), intent(inout) :: source !! open file
       character(len=*), intent(in) :: except !! name that is left out, without a slash; it need not be there
     end subroutine file_take
