@@ -45,6 +45,7 @@ WAYS = {
     "default, primal": (DEFAULT, "primal", 0),
 }
 RIGID_STEPS, RIGID_RATE, RIGID_SEEDS = 600, 0.1, 20  # 6 % of strain by 0.1 1/s
+RIGID_LATE = 0.01  # strain by which the shock of the start is over
 
 
 def cut(parts, gluing="dual"):
@@ -140,8 +141,15 @@ def sheared(runner, parts, seed, recovery):
 def rigid_bands(runner, recovery):
     """Bands of the test between rigid walls, on 16 subdomains."""
     ones = [sheared(runner, 1, seed, recovery) for seed in range(1, 1 + RIGID_SEEDS)]
-    runs = {16: [sheared(runner, 16, seed, recovery) for seed in range(1, 1 + SPLITS[16][1])]}
-    write_bands(runner, "rigid_bands" + ("_recovered" if recovery else ""), RIGID_CURVES, ones, runs)
+    runs = [sheared(runner, 16, seed, recovery) for seed in range(1, 1 + SPLITS[16][1])]
+    name = "rigid_bands" + ("_recovered" if recovery else "")
+    write_bands(runner, name, RIGID_CURVES, ones, {16: runs})
+    write_bands(runner, f"{name}_late", RIGID_CURVES, late(ones), {16: late(runs)})
+
+
+def late(runs):
+    """Columns of runs from the strain RIGID_LATE on."""
+    return [{name: values[run["strain"] > RIGID_LATE] for name, values in run.items()} for run in runs]
 
 
 def pressed_between(runner, parts, way):
