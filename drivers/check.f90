@@ -35,7 +35,7 @@ contains
       return
     end if
     call print_counts(arguments%words(1)%s, sim)
-    call print_line(describe_plan(sim%plan, sim%scene, ranks=1))
+    call print_line(describe_plan(sim%plan, sim%scene, 1, sim%options%recovery))
   end subroutine check_command
 
   !> Print what is not in the plan: time, laws, drives, memory.

@@ -16,7 +16,7 @@ module sg_laws
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
   public :: law_mac, law_mal, law_th, law_abp, law_expo, is_cohesive_zone, needs_surface
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
-  public :: acts_in_touch, forbids_overlap, forbidden_gap
+  public :: acts_in_touch, forbids_overlap, forbidden_gap, allows_pushes
   public :: is_plain, is_frictionless, resists_rolling, inverse_of, kind_of_local_law, largest_friction, why_largest_friction
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,
@@ -212,6 +212,13 @@ contains
 
     forbids_overlap = is_plain(law) .or. law%kind == law_wet
   end function forbids_overlap
+
+  !> Does nothing but the motion of bodies hang on the overlap of contacts under a law? A push keeps the lengths of links.
+  pure logical function allows_pushes(law)
+    type(law_t), intent(in) :: law !! law to look at
+
+    allows_pushes = forbids_overlap(law) .or. any(law%kind == [law_rod, law_wire, law_rigid_wire])
+  end function allows_pushes
 
   !> Gap that a law forbids to be negative [m], of those that forbid overlap.
   pure real(wp) function forbidden_gap(law, gap, internal) result(own)

@@ -112,7 +112,7 @@ contains
     if (allocated(sim%options%title)) then
       if (sim%options%title /= '') call print_line('title      '//sim%options%title)
     end if
-    call print_line(describe_plan(sim%plan, sim%scene, sim%comm%size))
+    call print_line(describe_plan(sim%plan, sim%scene, sim%comm%size, sim%options%recovery))
     call print_line(describe_run(sim%options, sim%stages, sim%comm))
     if (sim%stages%number > 0) call print_line(describe_stage(sim))
   end subroutine print_opening

@@ -10,7 +10,7 @@ module sg_plan
   use sg_half_width, only: half_width
   use sg_internal_values, only: n_internal_of
   use sg_kinds, only: wp
-  use sg_laws, only: is_cohesive_zone, is_frictionless, is_plain, resists_rolling
+  use sg_laws, only: allows_pushes, is_cohesive_zone, is_frictionless, is_plain, resists_rolling
   use sg_scene, only: scene_t
   use sg_sees, only: see_of
   use sg_shape_kinds, only: is_round
@@ -319,10 +319,11 @@ contains
   end function signed_radii
 
   !> The plan in a few lines: parts used, parts left out.
-  function describe_plan(plan, scene, ranks) result(text)
+  function describe_plan(plan, scene, ranks, recovery) result(text)
     type(plan_t), intent(in) :: plan !! plan of the scene
     type(scene_t), intent(in) :: scene !! scene after planning
     integer, intent(in) :: ranks !! ranks that share it
+    real(wp), intent(in) :: recovery !! overlap over the smaller shape from which on it is undone; 0 for never
     character(len=:), allocatable :: text
     character(len=*), parameter :: nl = new_line('a')
     integer :: i, j
@@ -350,12 +351,14 @@ contains
            //used(scene%cell%is_on, 'periodic cell') &
            //used(size(scene%drives) > 0, 'drives')//used(size(scene%pressures) > 0, 'pressures') &
            //used(scene%bodies%has_presence, 'entries and removals') &
-           //used(ranks > 1, 'decomposition')
+           //used(ranks > 1, 'decomposition') &
+           //used(recovery > 0, 'recovery of overlap above '//to_text(recovery, 3)//' of the smaller shape')
     text = text//nl//'left out   '//merge('3D', '2D', scene%dimension == 2)//used(ranks == 1, 'decomposition') &
            //used(.not. plan%has_tangent, 'friction') &
            //used(.not. plan%has_rotation, 'rotation')//used(plan%is_round, 'lever arms') &
            //used(.not. max(scene%period, scene%period_y) > 0, 'period')//used(size(scene%drives) == 0, 'drives') &
-           //used(size(scene%pressures) == 0, 'pressures')
+           //used(size(scene%pressures) == 0, 'pressures') &
+           //used(.not. recovery > 0, 'recovery of overlap'//reason_without_recovery(scene))
     if (plan%keeps_contacts) &
       text = text//nl//'kept       contacts of polygons and polyhedra while these move against each other by less than ' &
              //to_text(scene%kept_motion, 3)//' of the smaller radius; gaps are off by '//to_text(2*scene%kept_motion, 3) &
@@ -370,4 +373,18 @@ contains
       if (is_used) used = ', '//word
     end function used
   end function describe_plan
+
+  !> Why overlap is not undone, in brackets: the first law that needs it; empty where no law does.
+  function reason_without_recovery(scene) result(text)
+    type(scene_t), intent(in) :: scene
+    character(len=:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = 1, size(scene%laws)
+      if (allows_pushes(scene%laws(i))) cycle
+      text = ' (law "'//scene%laws(i)%name//'" needs it)'
+      return
+    end do
+  end function reason_without_recovery
 end module sg_plan

@@ -152,6 +152,17 @@ class Recovery(ProgramCase):
         self.assertGreater(self.run_json("on")["recoveries"], 2)
         self.assertLess(self.run_json("on")["volume_error"], 0.2 * self.run_json("off")["volume_error"])
 
+    def test_log(self):
+        """The plan has whether overlap is undone, and the law that needs it where one does."""
+        steps = ["--force", "--set", "time.steps=2"]
+        said = self.run_deck(PRESSED, "out", *steps, *RECOVERY).stdout
+        self.assertRegex(said, r"used  .*, recovery of overlap above 1\.00E-04 of the smaller shape\n")
+        said = self.run_deck(PRESSED, "out", *steps).stdout
+        self.assertRegex(said, r"left out  .*, recovery of overlap\n")
+        elastic = PRESSED.replace("friction = 0.3", 'name = "spring"\nkind = "ELASTIC_REPELL_CLB"\nstiffness = 1e6\nfriction = 0.3')
+        said = self.run_deck(elastic, "out", *steps).stdout
+        self.assertRegex(said, r'left out  .*, recovery of overlap \(law "spring" needs it\)\n')
+
     def test_rest_of_loose_solves(self):
         """Grains whose solves are so loose that they sink into each other while they rest go on resting between pushes: these leave 0.4
         of the overlap that the deck allows, so that contacts stay closed."""

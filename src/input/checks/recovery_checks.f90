@@ -2,7 +2,7 @@
 module sg_recovery_checks
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
-  use sg_laws, only: forbids_overlap, law_rigid_wire, law_rod, law_t, law_wire
+  use sg_laws, only: allows_pushes
   use sg_run_options, only: run_options_t
   use sg_scene, only: scene_t
   implicit none
@@ -27,11 +27,4 @@ contains
       return
     end do
   end subroutine check_recovery
-
-  !> Does nothing but the motion of bodies hang on the overlap of contacts under a law? A push keeps the lengths of links.
-  pure logical function allows_pushes(law)
-    type(law_t), intent(in) :: law
-
-    allows_pushes = forbids_overlap(law) .or. any(law%kind == [law_rod, law_wire, law_rigid_wire])
-  end function allows_pushes
 end module sg_recovery_checks
