@@ -143,15 +143,21 @@ class Shares(Ranks):
         if not self.has_hdf5():
             self.skipTest("built without HDF5")
         deck = self.deck(PRESSED)
-        words = ["--set", "time.steps=100", "--set", "restart.every=100", "--set", "output.record_every=0"]
-        self.run_ranks(1, deck, *words, output="one")
-        one, contacts = self.state(deck, "one")
-        for gluing in ("dual", "primal", "momentum"):
-            with self.subTest(gluing):
-                self.run_ranks(4, deck, *words, "--set", f'partition.gluing="{gluing}"', output="many")
-                many, shared = self.state(deck, "many")
-                (self.place / "state of many").rename(self.place / f"state of many, {gluing}")
-                # The lid is the fourth body, and starts at 0.52 m.
-                self.assertLess(one[6 * 3 + 1], 0.51, "the lid does not move")
-                self.assertAlmostEqual(many[6 * 3 + 1], one[6 * 3 + 1], delta=1e-6)
-                self.assertEqual(shared.keys(), contacts.keys())
+        # Sweeps of a push end before it is solved as far as a step: of 3e-4 of a radius of 0.02 m that overlap may be deep, little
+        # differs per layer (8e-6 m in all as measured).
+        for recovery, within in ((0.0, 1e-6), (3e-4, 5e-5)):
+            words = ["--set", "time.steps=100", "--set", "restart.every=100", "--set", "output.record_every=0", "--set",
+                     f"time.recovery={recovery}"]
+            self.run_ranks(1, deck, *words, output="one")
+            one, contacts = self.state(deck, "one")
+            (self.place / "state of one").rename(self.place / f"state of one, {recovery}")
+            for gluing in ("dual", "primal", "momentum"):
+                with self.subTest(gluing, recovery=recovery):
+                    self.run_ranks(4, deck, *words, "--set", f'partition.gluing="{gluing}"', output="many")
+                    self.assertEqual("recoveries" in self.run_json("many"), recovery > 0)
+                    many, shared = self.state(deck, "many")
+                    (self.place / "state of many").rename(self.place / f"state of many, {gluing}, {recovery}")
+                    # The lid is the fourth body, and starts at 0.52 m.
+                    self.assertLess(one[6 * 3 + 1], 0.51, "the lid does not move")
+                    self.assertAlmostEqual(many[6 * 3 + 1], one[6 * 3 + 1], delta=within)
+                    self.assertEqual(shared.keys(), contacts.keys())

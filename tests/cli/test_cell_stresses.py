@@ -4,6 +4,7 @@
 usage: test_cell_stresses.py PROGRAM [MPIEXEC] [unittest options]
 """
 
+import json
 import sys
 import unittest
 from math import pi
@@ -131,6 +132,22 @@ class CellStresses(CellCase):
                     left, right = self.rows("straight")[steps - 20], self.rows("parts")[steps - 20]
                     for key in ("cell_x", "cell_y", "strain_xy", "kinetic_energy", "stress_xx", "stress_yy"):
                         self.assertAlmostEqual(float(left[key]), float(right[key]), delta=1e-9 * max(1.0, abs(float(left[key]))), msg=key)
+
+    def test_pushes_under_stress(self):
+        """Bodies of a cell that are pushed apart move alike in parts and on ranks, to what sweeps of a push leave of the overlap, 3e-4 of
+        a radius."""
+        self.write_pressed_sample(2, "polygon", 55, recovery=3e-4)
+        self.call()
+        one = self.rows()
+        self.call("--set", "partition.parts=3", output="parts")
+        outputs = ["parts"]
+        if self.launcher:
+            self.call(output="ranks", ranks=2)
+            outputs.append("ranks")
+        for output in outputs:
+            self.assertGreater(json.loads((self.place / output / "run.json").read_text())["recoveries"], 1)
+            # Measured: 4e-6.
+            self.assert_same_motion(one, output, "polygon", 1e-4)
 
     def test_repeated_grains_under_stress(self):
         spots = self.spots(2)
