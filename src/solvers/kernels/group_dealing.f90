@@ -4,10 +4,10 @@
 !! consecutive contacts, small enough to stay in cache, are dealt to small groups: the processor then works on several contacts at
 !! once, and the order of the blocks stays spatial (doc/theory/nlgs.md).
 module sg_group_dealing
-  use sg_kept_dealing, only: is_movable
+  use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t
   use sg_kinds, only: i4, i8
   use sg_problem, only: problem_t
-  use sg_records, only: is_compact
+  use sg_records, only: first_inverse, is_compact
   implicit none
   private
   public :: deal_blocks, deal_lanes, lanes
@@ -23,17 +23,37 @@ module sg_group_dealing
   !> The most groups that a block may open (bits of an integer)
   integer, parameter :: most_groups = 63
 
+  interface
+    !> Deal one block: each contact goes to the first group that has room and neither of its movable bodies (group_dealing.cpp).
+    pure subroutine deal_block(n, chosen, length, inverse, width, pair, body, groups_of, group, filled, top) &
+      bind(c, name='sg_deal_block')
+      import :: c_double, c_int, c_int64_t
+      integer(c_int), intent(in), value :: n !! contacts of the block
+      integer(c_int), intent(in) :: chosen(*) !! which ones
+      integer(c_int), intent(in), value :: length !! reals of a body
+      integer(c_int), intent(in), value :: inverse !! place of its first inverse mass
+      integer(c_int), intent(in), value :: width !! contacts of a full group
+      integer(c_int), intent(in) :: pair(*) !! slots of all contacts
+      real(c_double), intent(in) :: body(*) !! records of bodies
+      integer(c_int64_t), intent(inout) :: groups_of(*) !! room, by slot; zero before and after
+      integer(c_int), intent(inout) :: group(*) !! group of each contact
+      integer(c_int), intent(inout) :: filled(0:*) !! contacts of each group
+      integer(c_int), intent(out) :: top !! last group with some
+    end subroutine deal_block
+  end interface
+
 contains
 
   !> Deal contacts to groups, block by block. Where they are swept side by side, groups are counted.
   pure subroutine deal_blocks(chosen, problem, groups_of, contact, n_groups, group_size)
     integer(i4), intent(in), contiguous :: chosen(:) !! contacts to deal, in spatial order
     type(problem_t), intent(in) :: problem !! problem to sweep
-    integer(i8), intent(inout) :: groups_of(:) !! room, by slot; zero before and after
+    integer(i8), intent(inout), contiguous :: groups_of(:) !! room, by slot; zero before and after
     integer(i4), intent(inout), contiguous :: contact(:) !! the same contacts, group by group
     integer, intent(inout), optional :: n_groups !! groups so far
     integer(i4), intent(inout), contiguous, optional :: group_size(:) !! contacts of each
-    integer :: first, last, block_size, width, g, filled(0:most_groups)
+    logical, parameter :: are_first(0:most_groups) = .true.
+    integer :: first, last, block_size, width, g, top, n, filled(0:most_groups), group(block_round)
 
     block_size = block_arm
     width = width_arm
@@ -43,9 +63,12 @@ contains
     end if
     do first = 1, size(chosen), block_size
       last = min(size(chosen), first + block_size - 1)
-      call deal_block(chosen(first:last), problem, width, groups_of, contact(first:last), filled)
+      n = last - first + 1
+      call deal_block(n, chosen(first:last), size(problem%body, 1), first_inverse(problem%kind), width, problem%pair, &
+                      problem%body, groups_of, group, filled, top)
+      call spread_groups(n, chosen(first:last), group, top, filled, are_first, contact(first:last))
       if (.not. present(n_groups)) cycle
-      do g = 0, most_groups
+      do g = 0, top
         call note_group(filled(g), g == most_groups, n_groups, group_size)
       end do
     end do
@@ -56,12 +79,12 @@ contains
   pure subroutine deal_lanes(chosen, problem, groups_of, contact, n_groups, group_size)
     integer(i4), intent(in), contiguous :: chosen(:) !! contacts to deal, in spatial order
     type(problem_t), intent(in) :: problem !! problem to sweep
-    integer(i8), intent(inout) :: groups_of(:) !! room, by slot; zero before and after
+    integer(i8), intent(inout), contiguous :: groups_of(:) !! room, by slot; zero before and after
     integer(i4), intent(inout), contiguous :: contact(:) !! the same contacts, group by group
     integer, intent(inout) :: n_groups !! groups so far
     integer(i4), intent(inout), contiguous :: group_size(:) !! contacts of each
-    integer(i4) :: block(block_round), dealt(block_round)
-    integer :: filled(0:most_groups), next, placed, left, n, last, g, size_of_block
+    integer(i4) :: block(block_round)
+    integer :: group(block_round), filled(0:most_groups), next, placed, left, n, g, top, size_of_block
     logical :: is_kept(0:most_groups)
 
     size_of_block = merge(block_round, block_arm_lanes, is_compact(problem%kind))
@@ -72,74 +95,39 @@ contains
       n = min(size_of_block, left + size(chosen) - next + 1)
       block(left + 1:n) = chosen(next:next + n - left - 1)
       next = next + n - left
-      call deal_block(block(:n), problem, lanes, groups_of, dealt(:n), filled)
-      is_kept = filled == lanes
-      is_kept(most_groups) = .false.
+      call deal_block(n, block, size(problem%body, 1), first_inverse(problem%kind), lanes, problem%pair, problem%body, &
+                      groups_of, group, filled, top)
+      is_kept(:top) = filled(:top) == lanes
+      if (top == most_groups) is_kept(top) = .false.
       ! Where few groups are full, as about a large ball, dealing again would not help.
-      if (next > size(chosen) .or. sum(filled, .not. is_kept) > size_of_block/4) is_kept = .true.
-      left = 0
-      last = 0
-      do g = 0, most_groups
-        associate (group => dealt(last + 1:last + filled(g)))
-          if (is_kept(g)) then
-            contact(placed + 1:placed + filled(g)) = group
-            placed = placed + filled(g)
-            call note_group(filled(g), g == most_groups, n_groups, group_size)
-          else
-            block(left + 1:left + filled(g)) = group
-            left = left + filled(g)
-          end if
-        end associate
-        last = last + filled(g)
+      if (next > size(chosen) .or. sum(filled(:top), .not. is_kept(:top)) > size_of_block/4) is_kept(:top) = .true.
+      call spread_groups(n, block, group, top, filled, is_kept, contact(placed + 1:placed + n))
+      do g = 0, top
+        if (is_kept(g)) call note_group(filled(g), g == most_groups, n_groups, group_size)
       end do
+      left = sum(filled(:top), .not. is_kept(:top))
+      placed = placed + n - left
+      block(:left) = contact(placed + 1:placed + left)
     end do
   end subroutine deal_lanes
 
-  !> Deal one block: each contact goes to the first group that has room and neither of its movable bodies.
-  pure subroutine deal_block(chosen, problem, width, groups_of, contact, filled)
-    integer(i4), intent(in), contiguous :: chosen(:)
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: width
-    integer(i8), intent(inout) :: groups_of(:) !! bit g: the body is in group g of this block
-    integer(i4), intent(inout), contiguous :: contact(:)
-    integer, intent(out) :: filled(0:most_groups) !! contacts of each group
-    integer(i8) :: full
-    integer :: group(block_round), i, g, side
-    integer(i4) :: pair(2)
+  !> Write the groups of a block one after the other, some before the others.
+  pure subroutine spread_groups(n, chosen, group, top, filled, are_first, contact)
+    integer, intent(in) :: n
+    integer(i4), intent(in) :: chosen(n)
+    integer, intent(in) :: group(n), top, filled(0:top) !! contacts of each group up to the last one
+    logical, intent(in) :: are_first(0:top) !! groups that come first
+    integer(i4), intent(inout) :: contact(n)
+    integer :: next(0:most_groups), i, first, other
 
-    full = 0
-    filled = 0
-    do i = 1, size(chosen)
-      pair = problem%pair(:, chosen(i))
-      g = min(trailz(not(ior(full, ior(groups_of(pair(1)), groups_of(pair(2)))))), most_groups)
-      group(i) = g
-      filled(g) = filled(g) + 1
-      if (g == most_groups) cycle
-      if (filled(g) == width) full = ibset(full, g)
-      do side = 1, 2
-        if (is_movable(problem, pair(side))) groups_of(pair(side)) = ibset(groups_of(pair(side)), g)
-      end do
+    first = 1
+    other = 1 + sum(filled, are_first)
+    do i = 0, top
+      next(i) = merge(first, other, are_first(i))
+      first = first + merge(filled(i), 0, are_first(i))
+      other = other + merge(0, filled(i), are_first(i))
     end do
-    call spread_groups(chosen, group, filled, contact)
-    ! One by one: a list of two would be rebuilt for each contact.
-    do i = 1, size(chosen)
-      groups_of(problem%pair(1, chosen(i))) = 0
-      groups_of(problem%pair(2, chosen(i))) = 0
-    end do
-  end subroutine deal_block
-
-  !> Write the groups of a block one after the other.
-  pure subroutine spread_groups(chosen, group, filled, contact)
-    integer(i4), intent(in), contiguous :: chosen(:)
-    integer, intent(in) :: group(:), filled(0:)
-    integer(i4), intent(inout), contiguous :: contact(:)
-    integer :: next(0:most_groups), i
-
-    next(0) = 1
-    do i = 1, most_groups
-      next(i) = next(i - 1) + filled(i - 1)
-    end do
-    do i = 1, size(chosen)
+    do i = 1, n
       contact(next(group(i))) = chosen(i)
       next(group(i)) = next(group(i)) + 1
     end do

@@ -7,7 +7,7 @@ module sg_kept_dealing
   use sg_records, only: body_length, first_inverse
   implicit none
   private
-  public :: kept_dealing_t, is_movable
+  public :: kept_dealing_t
 
   !> The last dealing of all contacts of an order at once
   type :: kept_dealing_t
@@ -122,15 +122,4 @@ contains
       moves(b) = any(body(inverse:, b) > 0)
     end do
   end subroutine find_movable
-
-  !> Can impulses move a body? Most can move along x: the others are looked at whole.
-  pure logical function is_movable(problem, slot)
-    type(problem_t), intent(in) :: problem !! problem
-    integer(i4), intent(in) :: slot !! of the body
-    integer :: inverse
-
-    inverse = first_inverse(problem%kind)
-    is_movable = problem%body(inverse, slot) > 0
-    if (.not. is_movable) is_movable = any(problem%body(inverse:, slot) > 0)
-  end function is_movable
 end module sg_kept_dealing
