@@ -4,6 +4,7 @@
 !! solutions: e1 and e2 with rho = 1, e8 and the violation with rho_a = 1/lambda_max(W_aa), free of units.
 module sg_residuals
   use, intrinsic :: iso_c_binding, only: c_double, c_int
+  use sg_error_records, only: have_records, sum_records
   use sg_kinds, only: wp
   use sg_law_violation, only: largest_bound, law_violation, plane_bounds
   use sg_natural_map, only: chunk, plane_squares
@@ -80,7 +81,7 @@ contains
     type(chunk_t) :: a
     real(wp) :: lane(chunk, n_error_sums), f8(chunk), carried(chunk)
     integer :: first, i
-    logical :: has_tangent, has_bounds
+    logical :: has_tangent, has_bounds, has_records, is_done
 
     lane = 0
     has_bounds = with_e1 .and. present(bounds)
@@ -91,9 +92,14 @@ contains
       call add_rolling_contacts(problem, with_e1, sums, squares, closing)
       return
     end if
+    has_records = have_records(problem%kind) .and. .not. present(squares)
     if (is_in_space(problem%kind)) call add_space_contacts(problem, with_e1, lane, squares, closing, bounds)
     has_tangent = friction_place(problem%kind) > 0
     do first = 1, merge(0, problem%n_contacts, is_in_space(problem%kind)), chunk
+      if (has_records) then
+        call sum_records(problem, first, with_e1, lane, is_done, closing, bounds)
+        if (is_done) cycle
+      end if
       call gather(problem, first, a)
       if (has_tangent) then
         call add_chunk(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, with_e1, lane, f8)

@@ -1,5 +1,6 @@
 !> What the error measures need of contacts in space: the natural map of vectors in the world's axes (doc/theory/errors.md).
 module sg_residuals_space
+  use sg_error_records, only: have_records, sum_records
   use sg_kinds, only: wp
   use sg_law_violation, only: largest_bound, law_violation, space_bounds
   use sg_natural_map, only: chunk, space_squares
@@ -51,11 +52,16 @@ contains
     type(chunk_t) :: a
     real(wp) :: squares(chunk), inverse(chunk), carried(chunk)
     integer :: first, n, i
-    logical :: has_tangent, has_bounds
+    logical :: has_tangent, has_bounds, has_records, is_done
 
     has_tangent = friction_place(problem%kind) > 0
     has_bounds = with_e1 .and. present(bounds)
+    has_records = have_records(problem%kind) .and. .not. present(all_squares)
     do first = 1, problem%n_contacts, chunk
+      if (has_records) then
+        call sum_records(problem, first, with_e1, lane, is_done, closing, bounds)
+        if (is_done) cycle
+      end if
       call gather(problem, first, a)
       n = a%n
       if (present(closing)) then

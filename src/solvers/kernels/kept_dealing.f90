@@ -44,11 +44,29 @@ contains
       self%n_contacts = n
       self%n_bodies = m
       self%groups = groups
-      self%slots(:, :n) = problem%pair(:, :n)
-      self%is_dealt(:n) = is_dealt(:n)
+      call copy_marks(n, is_dealt, self%is_dealt)
+      call copy_slots(2*n, problem%pair, self%slots)
       call find_movable(m, body_length(problem%kind), first_inverse(problem%kind), problem%body, self%moves)
     end associate
   end subroutine kept_dealing_note
+
+  !> Copy marks of contacts, on plain lists.
+  pure subroutine copy_marks(n, from, to)
+    integer, intent(in) :: n
+    logical, intent(in) :: from(n)
+    logical, intent(inout) :: to(n)
+
+    to = from
+  end subroutine copy_marks
+
+  !> Copy slots likewise.
+  pure subroutine copy_slots(n, from, to)
+    integer, intent(in) :: n
+    integer(i4), intent(in) :: from(n)
+    integer(i4), intent(inout) :: to(n)
+
+    to = from
+  end subroutine copy_slots
 
   !> Room for the contacts and bodies of a problem.
   pure subroutine make_room(self, contacts, bodies)
@@ -119,7 +137,7 @@ contains
     integer :: b
 
     do b = 1, n
-      moves(b) = any(body(inverse:, b) > 0)
+      moves(b) = body(inverse, b) > 0 .or. any(body(inverse + 1:, b) > 0)
     end do
   end subroutine find_movable
 end module sg_kept_dealing

@@ -49,8 +49,9 @@ module sg_contact_sets
     logical, private :: holds_last = .false.
     !> Did they in the solve before?
     logical, private :: was_arranged = .false.
-    !> Was the order of the last problem taken as a guess of the first choice, to which it must be the same?
-    logical, private :: is_guessed = .false.
+    !> Was the order of the last problem taken as a guess of the first choice, to which it must be the same? And had the last
+    !! problem the groups of the one before, so that a guess is likely to be right?
+    logical, private :: is_guessed = .false., is_settled = .true.
   contains
     procedure :: begin => sets_begin
     procedure :: split => sets_split
@@ -133,7 +134,7 @@ contains
     type(problem_t), intent(in) :: problem
 
     can_take_last = self%n == 1 .and. .not. problem%cell%is_on &
-                    .and. (self%holds_last .or. (self%was_arranged .and. self%options%order == 'groups'))
+                    .and. (self%holds_last .or. (self%was_arranged .and. self%is_settled .and. self%options%order == 'groups'))
     if (can_take_last) can_take_last = size(self%order) == 1
     if (can_take_last) can_take_last = holds_most(merge(self%order(1)%n, self%order(1)%dealt%n, self%holds_last), problem)
   end function can_take_last
@@ -165,17 +166,21 @@ contains
     class(contact_sets_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem with its present impulses; it comes back unchanged
     logical, allocatable :: is_ordered(:)
+    logical :: is_first
     integer :: s
 
-    if (.not. self%is_arranged) call begin_orders(self, problem)
+    is_first = .not. self%is_arranged
+    if (is_first) call begin_orders(self, problem)
     associate (n => problem%n_contacts, active_set => self%active_set)
       if (self%is_guessed) then
         self%is_guessed = .false.
-        if (count(active_set%is_wanted(:n) .neqv. active_set%is_ordered(:n)) == 0) return
+        self%is_settled = count(active_set%is_wanted(:n) .neqv. active_set%is_ordered(:n)) == 0
+        if (self%is_settled) return
         self%order(1)%n = 0
       end if
       if (self%n == 1) then
         call update_order(self%order(1), problem, active_set%is_wanted(:n), active_set%is_ordered(:n), self%options)
+        if (is_first) self%is_settled = self%order(1)%has_last_groups
         return
       end if
       call swap_records(self, problem)

@@ -49,8 +49,9 @@ module sg_sweep_order
     !> Blocks that may be swept side by side, in coloured order; and by how many threads
     type(sweep_colouring_t) :: blocks
     integer :: threads = 1
-    !> What `chosen` was dealt by, in `groups` order
+    !> What `chosen` was dealt by, in `groups` order; and were these groups those of the problem before when the order was set?
     type(kept_dealing_t) :: dealt
+    logical :: has_last_groups = .false.
     !> Room for dealing: contacts chosen and missed, and groups of each body as bits
     integer(i4), allocatable :: chosen(:), missed(:)
     integer(i8), allocatable :: groups_of(:)
@@ -64,21 +65,21 @@ contains
     type(problem_t), intent(in) :: problem !! problem to sweep
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
     type(solver_options_t), intent(in) :: options !! order and threads; whether the criterion looks at records in their order
-    logical :: is_done, is_as_before
+    logical :: is_done
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
-    is_as_before = options%order == 'groups'
-    if (is_as_before) is_as_before = order%dealt%holds(problem, is_wanted(:problem%n_contacts))
+    order%has_last_groups = options%order == 'groups'
+    if (order%has_last_groups) order%has_last_groups = order%dealt%holds(problem, is_wanted(:problem%n_contacts))
     order%serial = order%serial + 1
     order%n_groups = 0
     order%solids%n_groups = 0
     order%blocks%n = 0
     order%threads = options%threads
-    if (is_as_before) then
+    if (order%has_last_groups) then
       call take_groups(order)
     else
       order%dealt%n = 0
-      call choose(order, is_wanted(:problem%n_contacts))
+      call choose(is_wanted(:problem%n_contacts), order%n, order%chosen)
       call put_in_order(order, problem, is_wanted(:problem%n_contacts), options)
     end if
     if (order%n_groups > 0) then
@@ -157,17 +158,17 @@ contains
     if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, 1, is_done)
   end subroutine fill_others
 
-  !> List the marked contacts.
-  pure subroutine choose(order, is_wanted)
-    type(sweep_order_t), intent(inout) :: order
+  !> List the marked contacts: without branches, and with room for one more.
+  pure subroutine choose(is_wanted, n, chosen)
     logical, intent(in), contiguous :: is_wanted(:)
+    integer, intent(out) :: n
+    integer(i4), intent(inout), contiguous :: chosen(:)
     integer :: k
 
-    order%n = 0
+    n = 0
     do k = 1, size(is_wanted)
-      if (.not. is_wanted(k)) cycle
-      order%n = order%n + 1
-      order%chosen(order%n) = int(k, i4)
+      chosen(n + 1) = int(k, i4)
+      n = n + merge(1, 0, is_wanted(k))
     end do
   end subroutine choose
 
@@ -258,11 +259,11 @@ contains
 
     have_lanes = any(problem%kind == [round_frictional, arm_frictional, ball_frictional])
     fits = allocated(order%contact)
-    if (fits) fits = size(order%contact) >= wanted .and. size(order%groups_of) == problem%n_bodies
+    if (fits) fits = size(order%contact) > wanted .and. size(order%groups_of) == problem%n_bodies
     if (fits) fits = allocated(order%group_size) .or. .not. have_lanes
     if (fits) return
     if (allocated(order%contact)) deallocate (order%contact, order%chosen, order%groups_of)
-    n = wanted + wanted/8
+    n = wanted + wanted/8 + 1
     allocate (order%contact(n), order%chosen(n))
     order%dealt%n = 0
     allocate (order%groups_of(problem%n_bodies), source=0_i8)
