@@ -2,14 +2,15 @@
 !! (doc/theory/contact_problem.md).
 !!
 !! Signorini's condition with Coulomb friction has no cohesion, compliance or bias along tangents. Values are those of
-!! `put_contact` bit for bit: products stand in the order in which the compiler fuses them with sums there.
+!! `put_contact` bit for bit: products stand in the order in which the compiler fuses them with sums there; blocks of solids are the
+!! same to rounding.
 !!
 !! In a later substep (doc/theory/substeps.md) slots and impulses stay, and blocks where they may: those of disks do not depend on
 !! the normal, unless a body is driven along one axis. Of solids the tangents turn with the normal, and the block stays that of the
 !! first substep on them: sweeps find the same solution by any block, since they work with true relative velocities.
 module sg_assemble_by_gaps
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_contacts, only: contacts_t
-  use sg_delassus, only: set_block
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_gap_g0, law_gap_shifted, law_iqs, law_iqs_g0
   use sg_mapping_space, only: tangent_of
@@ -22,8 +23,8 @@ module sg_assemble_by_gaps
                         round_frictional, round_inverse_i, round_inverse_mx, round_inverse_my, round_inverse_wnn, &
                         round_inverse_wtt, round_spin, solid_arm_ax, solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, &
                         solid_arm_cz, solid_bias_x, solid_bias_y, solid_bias_z, solid_friction, solid_frictional, &
-                        solid_inverse_lambda, solid_law, solid_s2, solid_spin_x, solid_spin_y, solid_spin_z, solid_tangent_x, &
-                        solid_tangent_z, solid_wnn, velocity_x, velocity_y, velocity_z
+                        solid_law, solid_spin_x, solid_spin_y, solid_spin_z, solid_tangent_x, solid_tangent_z, velocity_x, &
+                        velocity_y, velocity_z
   use sg_scene, only: scene_t
   implicit none
   private
@@ -31,6 +32,19 @@ module sg_assemble_by_gaps
 
   !> Contacts of a pass: what several loops need of them stays in the first cache
   integer, parameter :: chunk = 128
+
+  interface
+    !> Blocks of contacts of solids, and their relative velocities, four at a time (solid_blocks.cpp).
+    pure subroutine set_solid_blocks(n, pair, body, record, velocity, opening) bind(c, name='sg_set_solid_blocks')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: n !! contacts
+      integer(c_int), intent(in) :: pair(*) !! their slots, shape (2, contacts)
+      real(c_double), intent(in) :: body(*) !! records of bodies
+      real(c_double), intent(inout) :: record(*) !! records whose geometry, bias and friction are set, without compliance
+      real(c_double), intent(inout) :: velocity(*) !! without impulses, in the world's axes, shape (3, contacts) [m/s]
+      real(c_double), intent(inout) :: opening(*) !! their normal parts [m/s]
+    end subroutine set_solid_blocks
+  end interface
 
 contains
 
@@ -309,17 +323,16 @@ contains
           call turn_tangent(normal, record(solid_tangent_x:solid_tangent_z))
         else
           record(solid_tangent_x:solid_tangent_z) = tangent_of(normal)
-          record(solid_wnn:solid_s2) = 0
           record(solid_friction) = friction(i)
           record(solid_friction + 1:solid_law - 1) = 0
-          record(solid_law) = 1
-          record(solid_inverse_lambda) = 0
-          call set_block(problem%kind, problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), record)
+          cycle
         end if
         call free_velocity(problem%body(:, problem%pair(1, k)), problem%body(:, problem%pair(2, k)), record, q(:, i))
         opening(i) = normal(1)*q(1, i) + normal(2)*q(2, i) + normal(3)*q(3, i)
       end associate
     end do
+    if (.not. goes_on) &
+      call set_solid_blocks(int(n, c_int), problem%pair(:, first), problem%body, problem%record(:, first), q, opening)
   end subroutine assemble_solids
 
   !> Turn a tangent with the normal.

@@ -1,16 +1,10 @@
-// Four numbers side by side in a vector register, and what sweeps over groups of contacts load and store by them.
-//
-// Records of bodies are loaded whole and transposed in registers, four at a time, which Fortran has no words for: loads number
-// by number take as long as all the rest. Vectors of four are GNU extensions that g++ and clang translate for any processor.
+// What sweeps over groups of contacts load and store by vectors of four: places of records in lanes, and records of bodies.
 #pragma once
-#pragma GCC diagnostic ignored "-Wpsabi"    // vectors are handed over within single files alone
+
+#include "../../problem/vectors/vectors_of_four.hpp"
 
 namespace {
-typedef double vec __attribute__((vector_size(32)));
-typedef double loose __attribute__((vector_size(32), aligned(8)));    // the same anywhere in memory
-typedef long long mask __attribute__((vector_size(32)));
-
-constexpr int lanes = 8, width = 4, halves = lanes / width;
+constexpr int lanes = 8, halves = lanes / width;
 
 // Places of a contact in a lane, from zero: those of sg_records; records of plain disks are shorter.
 namespace disk_lane {
@@ -24,37 +18,10 @@ namespace ball_lane {
 enum { normal_x, normal_y, normal_z, bias_x, bias_y, bias_z, inverse_wnn, inverse_wtt, friction, lane_length };
 }    // namespace ball_lane
 
-inline vec load(const double *from) { return *reinterpret_cast<const loose *>(from); }
-inline void store(const vec &v, double *to) { *reinterpret_cast<loose *>(to) = v; }
-
 // Ask for what is about to be read and written; nothing happens beyond the end of a list.
 inline void ask(const double *first, int reals) {
   for (int i = 0; i < reals; i += 8) __builtin_prefetch(first + i, 1);
 }
-
-// Rows become columns.
-inline void transpose(vec &a, vec &b, vec &c, vec &d) {
-  const vec p = __builtin_shufflevector(a, b, 0, 4, 2, 6), q = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-  const vec r = __builtin_shufflevector(c, d, 0, 4, 2, 6), s = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-  a = __builtin_shufflevector(p, r, 0, 1, 4, 5);
-  b = __builtin_shufflevector(q, s, 0, 1, 4, 5);
-  c = __builtin_shufflevector(p, r, 2, 3, 6, 7);
-  d = __builtin_shufflevector(q, s, 2, 3, 6, 7);
-}
-
-// Divisors of lanes that are left out anyway are one: debug builds end a run that divides by zero.
-inline vec divisor(const vec &v) {
-  const vec none = {}, one = none + 1.0;
-  return v > none ? v : one;
-}
-
-// Square roots of four numbers, none of which is negative.
-inline vec root(const vec &v) {
-  return vec{__builtin_sqrt(v[0]), __builtin_sqrt(v[1]), __builtin_sqrt(v[2]), __builtin_sqrt(v[3])};
-}
-
-inline vec larger(const vec &a, const vec &b) { return a > b ? a : b; }
-inline vec smaller(const vec &a, const vec &b) { return a < b ? a : b; }
 
 // Ask for records of contacts some groups ahead: as many contacts follow in the list as `left`; contacts count from one.
 template <int length>
