@@ -9,20 +9,16 @@
 !! the normal, unless a body is driven along one axis. Of solids the tangents turn with the normal, and the block stays that of the
 !! first substep on them: sweeps find the same solution by any block, since they work with true relative velocities.
 module sg_assemble_by_gaps
-  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int8_t
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: law_gap_g0, law_gap_shifted, law_iqs, law_iqs_g0
   use sg_mapping_space, only: tangent_of
   use sg_problem, only: problem_t
-  use sg_records, only: arm_bias_n, arm_bias_t, arm_friction, arm_frictional, arm_inverse_i, arm_inverse_mx, arm_inverse_my, &
-                        arm_law, arm_moment_na, arm_moment_nc, arm_moment_ta, arm_moment_tc, arm_spin, arm_wnn, arm_wnt, &
-                        arm_wtt, ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_inverse_i, &
-                        ball_inverse_m, ball_inverse_wnn, ball_inverse_wtt, ball_spin_x, ball_spin_y, ball_spin_z, body_length, &
-                        normal_x, normal_y, normal_z, record_length, round_bias_n, round_bias_t, round_friction, &
-                        round_frictional, round_inverse_i, round_inverse_mx, round_inverse_my, round_inverse_wnn, &
-                        round_inverse_wtt, round_spin, solid_arm_ax, solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, &
-                        solid_arm_cz, solid_bias_x, solid_bias_y, solid_bias_z, solid_friction, solid_frictional, &
+  use sg_records, only: arm_frictional, ball_frictional, body_length, normal_x, normal_y, normal_z, record_length, round_bias_n, &
+                        round_bias_t, round_friction, round_frictional, round_inverse_i, round_inverse_mx, round_inverse_my, &
+                        round_inverse_wnn, round_inverse_wtt, round_spin, solid_arm_ax, solid_arm_ay, solid_arm_az, solid_arm_cx, &
+                        solid_arm_cy, solid_arm_cz, solid_bias_x, solid_bias_y, solid_bias_z, solid_friction, solid_frictional, &
                         solid_law, solid_spin_x, solid_spin_y, solid_spin_z, solid_tangent_x, solid_tangent_z, velocity_x, &
                         velocity_y, velocity_z
   use sg_scene, only: scene_t
@@ -34,6 +30,40 @@ module sg_assemble_by_gaps
   integer, parameter :: chunk = 128
 
   interface
+    !> Records of contacts of disks, and their relative velocities, four at a time (gap_records.cpp).
+    pure subroutine put_disks(n, pair, normal, bias, friction, body, record, velocity, opening) bind(c, name='sg_put_disk_records')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: n !! contacts
+      integer(c_int), intent(in) :: pair(*) !! their slots, shape (2, contacts)
+      real(c_double), intent(in) :: normal(*), bias(*), friction(*), body(*)
+      real(c_double), intent(inout) :: record(*) !! their records
+      real(c_double), intent(inout) :: velocity(*) !! relative velocities without impulses, shape (3, contacts) [m/s]
+      real(c_double), intent(inout) :: opening(*) !! their normal parts [m/s]
+    end subroutine put_disks
+
+    !> The same of contacts with lever arms in the plane.
+    pure subroutine put_arms(n, n_middle, pair, body_of, normal, point, gap, image, middle, period, bias, friction, body, record, &
+                             velocity, opening) bind(c, name='sg_put_arm_records')
+      import :: c_double, c_int, c_int8_t
+      integer(c_int), intent(in), value :: n, n_middle !! contacts; numbers that the place of a body has
+      integer(c_int), intent(in) :: pair(*), body_of(*) !! slots and bodies
+      real(c_double), intent(in) :: normal(*), point(*), gap(*)
+      integer(c_int8_t), intent(in) :: image(*)
+      real(c_double), intent(in) :: middle(*) !! places of bodies
+      real(c_double), intent(in), value :: period
+      real(c_double), intent(in) :: bias(*), friction(*), body(*)
+      real(c_double), intent(inout) :: record(*), velocity(*), opening(*)
+    end subroutine put_arms
+
+    !> The same of balls.
+    pure subroutine put_balls(n, pair, normal, bias, friction, body, record, velocity, opening) bind(c, name='sg_put_ball_records')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in) :: pair(*)
+      real(c_double), intent(in) :: normal(*), bias(*), friction(*), body(*)
+      real(c_double), intent(inout) :: record(*), velocity(*), opening(*)
+    end subroutine put_balls
+
     !> Blocks of contacts of solids, and their relative velocities, four at a time (solid_blocks.cpp).
     pure subroutine set_solid_blocks(n, pair, body, record, velocity, opening) bind(c, name='sg_set_solid_blocks')
       import :: c_double, c_int
@@ -73,13 +103,17 @@ contains
                  normal => contacts%normal(:, first:last))
         select case (problem%kind)
         case (round_frictional)
-          call assemble_round(n, problem%n_bodies, pair, normal, bias, friction, goes_on, problem%body, record, q, opening)
+          if (goes_on) then
+            call renew_disks(n, problem%n_bodies, pair, normal, bias, friction, problem%body, record, q, opening)
+          else
+            call put_disks(int(n, c_int), pair, normal, bias, friction, problem%body, record, q, opening)
+          end if
         case (arm_frictional)
-          call assemble_arms(n, problem%n_bodies, size(scene%bodies%middle, 1), scene%bodies%n, pair, normal, bias, friction, &
-                             problem%body, contacts%body(:, first:last), contacts%point(:, first:last), contacts%gap(first:last), &
-                             contacts%image(first:last), scene%bodies%middle, scene%period, record, q, opening)
+          call put_arms(int(n, c_int), size(scene%bodies%middle, 1, c_int), pair, contacts%body(:, first:last), normal, &
+                        contacts%point(:, first:last), contacts%gap(first:last), contacts%image(first:last), &
+                        scene%bodies%middle, scene%period, bias, friction, problem%body, record, q, opening)
         case (ball_frictional)
-          call assemble_balls(n, problem%n_bodies, pair, normal, bias, friction, problem%body, record, q, opening)
+          call put_balls(int(n, c_int), pair, normal, bias, friction, problem%body, record, q, opening)
         case (solid_frictional)
           call assemble_solids(scene, contacts, first, n, bias, friction, goes_on, problem, q, opening)
         end select
@@ -158,12 +192,11 @@ contains
     end do
   end subroutine find_biases
 
-  !> Those of disks.
-  pure subroutine assemble_round(n, n_bodies, pair, normal, bias, friction, keeps_blocks, body, record, q, opening)
+  !> Those of disks in a later substep, whose blocks stay unless a body is driven along one axis.
+  pure subroutine renew_disks(n, n_bodies, pair, normal, bias, friction, body, record, q, opening)
     integer, intent(in) :: n, n_bodies
     integer(i4), intent(in) :: pair(2, n)
     real(wp), intent(in) :: normal(2, n), bias(n), friction(n)
-    logical, intent(in) :: keeps_blocks
     real(wp), intent(in) :: body(body_length(round_frictional), n_bodies)
     real(wp), intent(inout) :: record(record_length(round_frictional), n)
     real(wp), intent(inout) :: q(3, n), opening(n)
@@ -181,7 +214,7 @@ contains
         record(round_bias_n, i) = bias(i)
         record(round_bias_t, i) = 0
         record(round_friction, i) = friction(i)
-        if (.not. keeps_blocks .or. abs(mx - my) > 0) then
+        if (abs(mx - my) > 0) then
           w = x**2*mx + y**2*my
           w_nt = abs(x*y*(mx - my))
           w_t = y**2*mx + x**2*my + body(round_inverse_i, c) + body(round_inverse_i, a)
@@ -196,7 +229,7 @@ contains
         opening(i) = q(1, i)
       end associate
     end do
-  end subroutine assemble_round
+  end subroutine renew_disks
 
   !> Inverse of a diagonal term of W; zero where nothing can move.
   pure real(wp) function inverse(w)
@@ -204,96 +237,6 @@ contains
 
     inverse = merge(1.0_wp, 0.0_wp, w > tiny(1.0_wp))/merge(w, 1.0_wp, w > tiny(1.0_wp))
   end function inverse
-
-  !> Those of polygons and all else with lever arms in the plane.
-  pure subroutine assemble_arms(n, n_bodies, n_middle, n_middles, pair, normal, bias, friction, body, body_of, point, gap, image, &
-                                middle, period, record, q, opening)
-    integer, intent(in) :: n, n_bodies, n_middle, n_middles
-    integer(i4), intent(in) :: pair(2, n), body_of(2, n)
-    real(wp), intent(in) :: normal(2, n), bias(n), friction(n), point(2, n), gap(n)
-    real(wp), intent(in) :: body(body_length(arm_frictional), n_bodies), middle(n_middle, n_middles), period
-    integer(i1), intent(in) :: image(n)
-    real(wp), intent(inout) :: record(record_length(arm_frictional), n)
-    real(wp), intent(inout) :: q(3, n), opening(n)
-    real(wp) :: x, y, cx, cy, ax, ay, nc, tc, na, ta, mx, my, ic, ia
-    integer :: i
-
-    do i = 1, n
-      x = normal(1, i)
-      y = normal(2, i)
-      cx = point(1, i) + gap(i)/2*x - middle(1, body_of(1, i))
-      cy = point(2, i) + gap(i)/2*y - middle(2, body_of(1, i))
-      ax = point(1, i) - gap(i)/2*x - middle(1, body_of(2, i)) - period*real(image(i), wp)
-      ay = point(2, i) - gap(i)/2*y - middle(2, body_of(2, i))
-      nc = cx*y - cy*x
-      tc = -cy*y - cx*x
-      na = ax*y - ay*x
-      ta = -ay*y - ax*x
-      associate (c => pair(1, i), a => pair(2, i))
-        mx = body(arm_inverse_mx, c) + body(arm_inverse_mx, a)
-        my = body(arm_inverse_my, c) + body(arm_inverse_my, a)
-        ic = body(arm_inverse_i, c)
-        ia = body(arm_inverse_i, a)
-        record(normal_x, i) = x
-        record(normal_y, i) = y
-        record(arm_moment_nc, i) = nc
-        record(arm_moment_tc, i) = tc
-        record(arm_moment_na, i) = na
-        record(arm_moment_ta, i) = ta
-        record(arm_bias_n, i) = bias(i)
-        record(arm_bias_t, i) = 0
-        record(arm_wnn, i) = x**2*mx + y**2*my + nc**2*ic + na**2*ia
-        record(arm_wnt, i) = x*y*(mx - my) + nc*tc*ic + na*ta*ia
-        record(arm_wtt, i) = y**2*mx + x**2*my + tc**2*ic + ta**2*ia
-        record(arm_friction, i) = friction(i)
-        record(arm_friction + 1:arm_law - 1, i) = 0
-        record(arm_law, i) = merge(1.0_wp, 0.0_wp, record(arm_wnn, i) > tiny(1.0_wp))
-        mx = body(velocity_x, c) - body(velocity_x, a)
-        my = body(velocity_y, c) - body(velocity_y, a)
-        q(1, i) = x*mx + y*my + nc*body(arm_spin, c) - na*body(arm_spin, a) + bias(i)
-        q(2, i) = y*mx - x*my + tc*body(arm_spin, c) - ta*body(arm_spin, a)
-        q(3, i) = 0
-        opening(i) = q(1, i)
-      end associate
-    end do
-  end subroutine assemble_arms
-
-  !> Those of balls.
-  pure subroutine assemble_balls(n, n_bodies, pair, normal, bias, friction, body, record, q, opening)
-    integer, intent(in) :: n, n_bodies
-    integer(i4), intent(in) :: pair(2, n)
-    real(wp), intent(in) :: normal(3, n), bias(n), friction(n)
-    real(wp), intent(in) :: body(body_length(ball_frictional), n_bodies)
-    real(wp), intent(inout) :: record(record_length(ball_frictional), n)
-    real(wp), intent(inout) :: q(3, n), opening(n)
-    real(wp) :: x, y, z, sx, sy, sz, w
-    integer :: i
-
-    do i = 1, n
-      associate (c => pair(1, i), a => pair(2, i))
-        x = normal(1, i)
-        y = normal(2, i)
-        z = normal(3, i)
-        w = body(ball_inverse_m, c) + body(ball_inverse_m, a)
-        record(normal_x, i) = x
-        record(normal_y, i) = y
-        record(normal_z, i) = z
-        record(ball_bias_x, i) = bias(i)*x
-        record(ball_bias_y, i) = bias(i)*y
-        record(ball_bias_z, i) = bias(i)*z
-        record(ball_inverse_wnn, i) = inverse(w)
-        record(ball_inverse_wtt, i) = inverse(w + max(0.0_wp, body(ball_inverse_i, c)) + max(0.0_wp, body(ball_inverse_i, a)))
-        record(ball_friction, i) = friction(i)
-        sx = body(ball_spin_x, c) + body(ball_spin_x, a)
-        sy = body(ball_spin_y, c) + body(ball_spin_y, a)
-        sz = body(ball_spin_z, c) + body(ball_spin_z, a)
-        q(1, i) = body(velocity_x, c) - body(velocity_x, a) - sy*z + sz*y + record(ball_bias_x, i)
-        q(2, i) = body(velocity_y, c) - body(velocity_y, a) - sz*x + sx*z + record(ball_bias_y, i)
-        q(3, i) = body(velocity_z, c) - body(velocity_z, a) - sx*y + sy*x + record(ball_bias_z, i)
-        opening(i) = x*q(1, i) + y*q(2, i) + z*q(3, i)
-      end associate
-    end do
-  end subroutine assemble_balls
 
   !> Those of polyhedra and all else with lever arms in space.
   pure subroutine assemble_solids(scene, contacts, first, n, bias, friction, goes_on, problem, q, opening)

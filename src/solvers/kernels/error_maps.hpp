@@ -103,9 +103,9 @@ inline vec space_square(const vec &x, const vec &r_n, const vec &mu, const vec &
 }
 
 // Four contacts in space: their normals, relative velocities and impulses.
-inline void judge_space(const mask &in_use, bool with_e1, const vec &x, const vec &y, const vec &z, const vec &ux, const vec &uy,
-                        const vec &uz, const vec &rx, const vec &ry, const vec &rz, const vec &mu, const vec &rho, totals &to,
-                        double *closing) {
+__attribute__((always_inline)) inline void judge_space(const mask &in_use, bool with_e1, const vec &x, const vec &y, const vec &z,
+                                                       const vec &ux, const vec &uy, const vec &uz, const vec &rx, const vec &ry,
+                                                       const vec &rz, const vec &mu, const vec &rho, totals &to, double *closing) {
   const vec unit = rho > none ? one : none, per_mass = rho > none ? 1.0 / divisor(rho) : none;
   const vec u_n = x * ux + y * uy + z * uz, r_n = x * rx + y * ry + z * rz;
   const vec v[3] = {ux - u_n * x, uy - u_n * y, uz - u_n * z}, t[3] = {rx - r_n * x, ry - r_n * y, rz - r_n * z};

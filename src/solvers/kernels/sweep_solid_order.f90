@@ -3,6 +3,7 @@
 !! The contacts of a block are cut into *chains*, runs of up to four contacts of one pair. A group is up to `lanes` chains in
 !! which no movable body appears twice; its rows are their first, second, ... contacts (doc/theory/nlgs.md).
 module sg_sweep_solid_order
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_records, only: first_inverse, least_active, least_linear, normal_x, normal_z, record_length, solid_arm_az, solid_bias_x, &
@@ -50,6 +51,19 @@ module sg_sweep_solid_order
     !> Shape (lanes, special_length, rows), or no rows where all laws are ordinary
     real(wp), allocatable :: special(:, :, :)
   end type solid_lanes_t
+
+  interface
+    !> Put up to eight contacts side by side (solid_rows_lanes.cpp).
+    pure subroutine put_row(left, n, contact, record, impulse, row, is_special) bind(c, name='sg_put_solid_row')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: left !! contacts that are left in the list
+      integer(c_int), intent(in), value :: n !! contacts of the row
+      integer(c_int), intent(in) :: contact(*) !! which ones
+      real(c_double), intent(in) :: record(*), impulse(*)
+      real(c_double), intent(inout) :: row(*) !! the row, shape (lanes, row_length)
+      integer(c_int), intent(inout) :: is_special !! 1 where a law is out of the ordinary, else as it was
+    end subroutine put_row
+  end interface
 
 contains
 
@@ -175,42 +189,61 @@ contains
     type(solid_lanes_t), intent(inout) :: rows !! dealt rows to fill
     integer, intent(in) :: first_group !! first one to fill
     logical, intent(out) :: is_done !! always from the first group on
-    logical :: is_special
-    integer :: g, row, i, e, first
+    logical :: is_special, is_found
+    integer :: first, e
 
     first = 1
     if (first_group > 1) first = rows%last_row(first_group - 1) + 1
     e = sum(rows%row_size(:first - 1))
     ! Rates of a cell that change turn biases away from normals.
-    is_special = problem%cell%is_on .or. any_special(problem, contact(e + 1:))
+    is_special = problem%cell%is_on
     is_done = .true.
     if (first_group == 1) then
       call make_room(rows, is_special)
     else
+      is_special = is_special .or. any_special(problem, contact(e + 1:))
       is_done = size(rows%row, 3) >= rows%n_rows .and. size(rows%pair, 3) >= rows%n_groups .and. &
                 (size(rows%special, 3) > 0 .or. .not. is_special)
       is_special = size(rows%special, 3) > 0
     end if
     if (.not. is_done) return
+    call put_side_by_side(problem, contact, rows, first_group, first, e, is_special, is_found)
+    if (.not. is_found .or. is_special) return
+    call make_room(rows, .true.)
+    call put_side_by_side(problem, contact, rows, first_group, first, e, .true., is_found)
+  end subroutine fill_rows
+
+  !> The same in room that is there, from a first group, its first row and the contact before that on.
+  pure subroutine put_side_by_side(problem, contact, rows, first_group, first_row, before, with_special, is_special)
+    type(problem_t), intent(in) :: problem
+    integer(i4), intent(in), contiguous :: contact(:)
+    type(solid_lanes_t), intent(inout) :: rows
+    integer, intent(in) :: first_group, first_row, before
+    logical, intent(in) :: with_special !! is there room for laws out of the ordinary?
+    logical, intent(out) :: is_special !! is there such a law?
+    integer :: g, row, i, e, first
+    integer(c_int) :: flag
+
+    flag = 0
+    first = first_row
+    e = before
     do g = first_group, rows%n_groups
       do i = 1, lanes
         rows%pair(i, :, g) = problem%pair(:, contact(e + merge(i, 1, i <= rows%row_size(first))))
       end do
       do row = first, rows%last_row(g)
-        do i = 1, lanes
-          if (i <= rows%row_size(row)) then
-            call fill_lane(problem%record(:, contact(e + i)), problem%impulse(:, contact(e + i)), i, rows%row(:, :, row))
-            if (is_special) rows%special(i, :, row) = special_of(problem%record(:, contact(e + i)))
-          else
-            call clear_lane(i, rows%row(:, :, row))
-            if (is_special) rows%special(i, :, row) = 0
-          end if
+        call put_row(int(size(contact) - e, c_int), rows%row_size(row), contact(e + 1:), problem%record, problem%impulse, &
+                     rows%row(1, 1, row), flag)
+        do i = 1, merge(lanes, 0, with_special)
+          rows%special(i, :, row) = 0
+          if (i <= rows%row_size(row)) rows%special(i, :, row) = special_of(problem%record(:, contact(e + i)))
         end do
         e = e + rows%row_size(row)
       end do
       first = rows%last_row(g) + 1
     end do
-  end subroutine fill_rows
+    is_special = flag > 0
+  end subroutine put_side_by_side
 
   !> Has a contact a law out of the ordinary?
   pure logical function any_special(problem, contact)
@@ -255,32 +288,6 @@ contains
     most = max(abs(n(2)*bias(3) - n(3)*bias(2)), abs(n(3)*bias(1) - n(1)*bias(3)), abs(n(1)*bias(2) - n(2)*bias(1)))
     is_oblique = most > 8*epsilon(1.0_wp)*max(abs(bias(1)), abs(bias(2)), abs(bias(3)))
   end function is_oblique
-
-  !> Write a contact's lane of a row.
-  pure subroutine fill_lane(record, impulse, i, row)
-    real(wp), intent(in) :: record(record_length(solid_frictional)), impulse(3)
-    integer, intent(in) :: i
-    real(wp), intent(inout) :: row(lanes, row_length)
-    real(wp) :: inverse
-
-    if (record(solid_law) < least_active) then
-      call clear_lane(i, row)
-      return
-    end if
-    inverse = 1/record(solid_wnn)
-    row(i, row_normal_x:row_arm_az) = record(normal_x:solid_arm_az)
-    call put_lane(record, impulse, i, row)
-    associate (n => record(normal_x:normal_z))
-      ! Cohesion is in the impulse, but what yields to a law with compliance is the impulse without it.
-      row(i, row_bias) = n(1)*record(solid_bias_x) + n(2)*record(solid_bias_y) + n(3)*record(solid_bias_z) &
-                   - record(solid_compliance_n)*record(solid_cohesion)
-    end associate
-    row(i, row_inverse_wnn) = inverse
-    row(i, row_g1) = record(solid_wn1)*inverse
-    row(i, row_g2) = record(solid_wn2)*inverse
-    row(i, row_s1:row_friction) = record(solid_s1:solid_friction)
-    if (record(solid_law) > least_linear) row(i, row_friction) = -1
-  end subroutine fill_lane
 
   !> Copy impulses from the problem to the lanes.
   pure subroutine put_rows(problem, contact, rows)
@@ -336,15 +343,6 @@ contains
                               + (n(1)*t(2) - n(2)*t(1))*impulse(3)
     end associate
   end subroutine put_lane
-
-  !> Write a lane to spare: no direction, so that nothing changes.
-  pure subroutine clear_lane(i, row)
-    integer, intent(in) :: i
-    real(wp), intent(inout) :: row(lanes, row_length)
-
-    row(i, :) = 0
-    row(i, row_s1:row_s2) = 1
-  end subroutine clear_lane
 
   !> Bias on the tangents, and compliance.
   pure function special_of(record) result(special)

@@ -1,7 +1,7 @@
 // Sums that the errors of a solution are made of, over contacts one after the other, from the records of a problem, four contacts
 // at a time (interface: error_records.f90).
 
-#include "error_maps.hpp"
+#include "../kernels/error_maps.hpp"
 
 namespace {
 constexpr int before_turn = 32;    // contacts by which records are asked for before their turn
@@ -52,7 +52,8 @@ struct solid_bodies {
     const auto record = [=](int i) { return body + static_cast<long>(length) * (slot[i] - 1); };
     vec rest[2];
     x = load(record(0)), y = load(record(1)), z = load(record(2)), sx = load(record(3));
-    sy = load(record(0) + width), sz = load(record(1) + width), rest[0] = load(record(2) + width), rest[1] = load(record(3) + width);
+    sy = load(record(0) + width), sz = load(record(1) + width);
+    rest[0] = load(record(2) + width), rest[1] = load(record(3) + width);
     transpose(x, y, z, sx);
     transpose(sy, sz, rest[0], rest[1]);
   }
@@ -106,7 +107,8 @@ inline bool judge_solids(int left, const mask &in_use, bool with_e1, const int *
   const records<length> own(record, left);
   const sides<3> of(pair, impulse, left);
   vec n[4], v[12], middle[4], last[4];
-  own.fetch(0, n), own.fetch(4, v), own.fetch(8, v + 4), own.fetch(bias, v + 8), own.fetch(s1, middle), own.fetch(compliance_n, last);
+  own.fetch(0, n), own.fetch(4, v), own.fetch(8, v + 4), own.fetch(bias, v + 8);
+  own.fetch(s1, middle), own.fetch(compliance_n, last);
   const vec *const arm_c = v + 2, *const arm_a = v + 5, *const b = v + 8, mu = middle[2];
   const mask is_strange = (middle[3] != none) | (last[0] != none) | (last[1] != none) | (last[2] > one);
   const solid_bodies c(of.candidate, body), a(of.antagonist, body);
