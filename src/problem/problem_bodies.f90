@@ -1,20 +1,40 @@
 !> Records of the bodies of a contact problem: velocities and inverse masses by slot, and velocities back to the bodies
 !! (doc/theory/contact_problem.md).
 module sg_problem_bodies
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_bodies, only: bodies_t
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
   use sg_records, only: arm_frictional, arm_frictionless, arm_inverse_i, arm_inverse_mx, arm_spin, ball_frictional, &
-                        ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_inverse_i, &
-                        ball_inverse_m, ball_spin_x, ball_spin_z, body_length, is_in_space, plain_kind, round_frictional, &
-                        round_frictionless, round_frictionless_inverse_mx, round_frictionless_inverse_my, round_inverse_i, &
-                        round_inverse_mx, round_inverse_my, round_spin, solid_frictional, solid_frictionless, solid_inverse_mx, &
-                        solid_inverse_mz, solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, &
-                        velocity_y, velocity_z
+                        ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, body_length, is_in_space, &
+                        plain_kind, round_frictional, round_frictionless, round_frictionless_inverse_mx, &
+                        round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, round_inverse_my, round_spin, &
+                        solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, &
+                        velocity_x, velocity_y, velocity_z
   use sg_rotations, only: frame_of, turned_back, turned_by
   implicit none
   private
   public :: load_bodies, take_velocities
+
+  interface
+    !> Records of balls with friction, four at a time (ball_bodies.cpp).
+    pure subroutine load_balls(n, body_of, radius, middle, free_velocity, inverse_mass, body) bind(c, name='sg_load_balls')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: n !! slots
+      integer(c_int), intent(in) :: body_of(*) !! body of each slot
+      real(c_double), intent(in) :: radius(*), middle(*), free_velocity(*), inverse_mass(*)
+      real(c_double), intent(inout) :: body(*) !! records to fill
+    end subroutine load_balls
+
+    !> Their velocities back to the bodies.
+    pure subroutine unload_balls(n, body_of, radius, middle, body, free_velocity) bind(c, name='sg_unload_balls')
+      import :: c_double, c_int
+      integer(c_int), intent(in), value :: n
+      integer(c_int), intent(in) :: body_of(*)
+      real(c_double), intent(in) :: radius(*), middle(*), body(*)
+      real(c_double), intent(inout) :: free_velocity(*) !! velocities that are set
+    end subroutine unload_balls
+  end interface
 
 contains
 
@@ -92,7 +112,7 @@ contains
     integer :: s, b, i
 
     if (kind == ball_frictional) then
-      call load_balls(size(body_of), bodies%n, body_of, radius, bodies%middle, bodies%free_velocity, bodies%inverse_mass, body)
+      call load_balls(size(body_of, kind=c_int), body_of, radius, bodies%middle, bodies%free_velocity, bodies%inverse_mass, body)
       return
     end if
     do s = 1, size(body_of)
@@ -113,29 +133,6 @@ contains
       body(solid_inverse_yz + 1:, s) = 0
     end do
   end subroutine load_space_bodies
-
-  !> Those of balls with friction, on plain arrays.
-  pure subroutine load_balls(n_slots, n, body_of, radius, middle, free_velocity, inverse_mass, body)
-    integer, intent(in) :: n_slots, n
-    integer(i4), intent(in) :: body_of(n_slots)
-    real(wp), intent(in) :: radius(n), middle(7, n), free_velocity(6, n), inverse_mass(6, n)
-    real(wp), intent(inout) :: body(body_length(ball_frictional), n_slots)
-    real(wp) :: most
-    integer :: s
-
-    do s = 1, n_slots
-      associate (b => body_of(s))
-        body(velocity_x:velocity_z, s) = free_velocity(1:3, b)
-        body(ball_spin_x:ball_spin_z, s) = 0
-        if (radius(b) > 0) body(ball_spin_x:ball_spin_z, s) = radius(b)*turned_by(middle(4:7, b), free_velocity(4:6, b))
-        most = max(inverse_mass(1, b), inverse_mass(2, b), inverse_mass(3, b))
-        body(ball_inverse_m, s) = most
-        body(ball_inverse_i, s) = radius(b)**2*inverse_mass(4, b)
-        if (most > 0 .and. .not. min(inverse_mass(1, b), inverse_mass(2, b), inverse_mass(3, b)) > 0) &
-          body(ball_inverse_i, s) = sum(merge([-1.0_wp, -2.0_wp, -4.0_wp], 0.0_wp, inverse_mass(1:3, b) > 0))
-      end associate
-    end do
-  end subroutine load_balls
 
   !> Velocities of the solution back to the bodies (into `free_velocity`).
   pure subroutine take_velocities(problem, body_of, radius, bodies)
@@ -200,7 +197,7 @@ contains
     integer :: s, b
 
     if (plain_kind(problem%kind) == ball_frictional) then
-      call unload_balls(problem%n_bodies, bodies%n, body_of, radius, bodies%middle, problem%body, bodies%free_velocity)
+      call unload_balls(int(problem%n_bodies, c_int), body_of, radius, bodies%middle, problem%body, bodies%free_velocity)
       return
     end if
     do s = 1, problem%n_bodies
@@ -212,21 +209,4 @@ contains
                                            bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
     end do
   end subroutine unload_space_bodies
-
-  !> Those of balls with friction, on plain arrays.
-  pure subroutine unload_balls(n_slots, n, body_of, radius, middle, body, free_velocity)
-    integer, intent(in) :: n_slots, n
-    integer(i4), intent(in) :: body_of(n_slots)
-    real(wp), intent(in) :: radius(n), middle(7, n), body(body_length(ball_frictional), n_slots)
-    real(wp), intent(inout) :: free_velocity(6, n)
-    integer :: s
-
-    do s = 1, n_slots
-      associate (b => body_of(s))
-        free_velocity(1:3, b) = body(velocity_x:velocity_z, s)
-        if (radius(b) > 0) &
-          free_velocity(4:6, b) = turned_back(middle(4:7, b), body(ball_spin_x:ball_spin_z, s))/radius(b)
-      end associate
-    end do
-  end subroutine unload_balls
 end module sg_problem_bodies
