@@ -128,8 +128,10 @@ if(SPLITGRAIN_OPENMP)
   # Files with directives of OpenMP: all others are compiled as without it.
   find_package(OpenMP REQUIRED COMPONENTS Fortran)
   separate_arguments(openmp_flags UNIX_COMMAND "${OpenMP_Fortran_FLAGS}")
-  set_source_files_properties(${PROJECT_SOURCE_DIR}/src/base/system/threads.f90 ${PROJECT_SOURCE_DIR}/src/solvers/sweeps/sweeps.f90
-                              PROPERTIES COMPILE_OPTIONS "${openmp_flags}")
+  set(threaded base/system/threads detection/plane/placed_corners detection/touch_pieces
+               problem/assemble_by_gaps problem/problem_bodies problem/status_by_gaps run/motion run/simulate
+               solvers/sweeps/sweep_order solvers/sweeps/sweeps)
+  list(TRANSFORM threaded REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/\\1.f90")
   list(APPEND splitgrain_libraries ${OpenMP_Fortran_LIBRARIES})
 endif()
 

@@ -16,7 +16,7 @@ module sg_contactors
   public :: contactors_t, kind_disk, kind_segment, kind_hollow, kind_polygon, kind_point, kind_names, n_kinds
   public :: kind_sphere, kind_plane, kind_cylinder, kind_hollow_cylinder, kind_polyhedron
   public :: add_disk, add_segment, add_hollow, add_polygon, add_point, add_contactor, drop_contactors, place_contactors
-  public :: edges_of, make_rows, place_all_corners, place_corners, table_all, table_vertices
+  public :: are_placed, edges_of, make_rows, place_all_corners, place_corners, place_polygon, place_run, table_all, table_vertices
 
   !> Tables of fields: of all contactors; of each kind of shape, by its number; of the vertices of all polygons
   integer, parameter :: table_all = 0, table_vertices = n_kinds + 1
@@ -254,25 +254,36 @@ contains
     logical, intent(in), optional :: corners_wait !! do vertices and edges of polygons wait for `place_corners`? By default not
     logical :: is_late
 
-    if (contactors%dimension == 3) then
-      call place_in_space(contactors%n, contactors%kind, contactors%body, contactors%row, contactors%shift, middle, &
-                          contactors%centre, contactors%space)
-    else
-      call place_in_plane(contactors, middle)
-      is_late = .false.
-      if (present(corners_wait)) is_late = corners_wait
-      if (.not. is_late) call place_all_corners(contactors)
-    end if
+    call place_run(contactors, middle, 1, contactors%n)
+    is_late = .false.
+    if (present(corners_wait)) is_late = corners_wait
+    if (.not. is_late) call place_all_corners(contactors)
   end subroutine place_contactors
 
-  !> The same in the plane, without vertices and edges of polygons.
-  pure subroutine place_in_plane(contactors, middle)
+  !> The same for a run of contactors, without vertices and edges of polygons. What is set of each contactor belongs to it alone.
+  pure subroutine place_run(contactors, middle, first, last)
+    type(contactors_t), intent(inout) :: contactors !! contactors to place
+    real(wp), intent(in), contiguous :: middle(:, :) !! bodies' configuration, see `bodies_t`
+    integer, intent(in) :: first !! first contactor of the run
+    integer, intent(in) :: last !! its last contactor
+
+    if (contactors%dimension == 3) then
+      call place_in_space(first, last, contactors%kind, contactors%body, contactors%row, contactors%shift, middle, &
+                          contactors%centre, contactors%space)
+    else
+      call place_in_plane(contactors, middle, first, last)
+    end if
+  end subroutine place_run
+
+  !> The same in the plane.
+  pure subroutine place_in_plane(contactors, middle, first, last)
     type(contactors_t), intent(inout) :: contactors
     real(wp), intent(in), contiguous :: middle(:, :)
+    integer, intent(in) :: first, last
     integer :: c, b, row
     real(wp) :: cosine, sine, angle, before(2)
 
-    do c = 1, contactors%n
+    do c = first, last
       b = contactors%body(c)
       before = contactors%centre(:, c)
       contactors%centre(:, c) = middle(1:2, b)
@@ -329,15 +340,17 @@ contains
 
     if (contactors%kind(c) /= kind_polygon) return
     associate (row => contactors%row(c))
-      if (contactors%polygon_placed(row) /= are_placed) call place_polygon(contactors, row, contactors%centre(:, c))
+      if (contactors%polygon_placed(row) == are_placed) return
+      call place_polygon(contactors, row, contactors%centre(:, c))
+      contactors%polygon_placed(row) = are_placed
     end associate
   end subroutine place_corners
 
-  !> Put the vertices and edges of one polygon where its body is.
+  !> Put the vertices and edges of one polygon where its body is; that they are placed is for the caller to note.
   pure subroutine place_polygon(contactors, row, centre)
-    type(contactors_t), intent(inout) :: contactors
-    integer(i4), intent(in) :: row
-    real(wp), intent(in) :: centre(2)
+    type(contactors_t), intent(inout) :: contactors !! placed contactors
+    integer(i4), intent(in) :: row !! row of the polygon
+    real(wp), intent(in) :: centre(2) !! its centre [m]
     integer :: v, first, last
 
     first = contactors%polygon_first(row)
@@ -347,7 +360,6 @@ contains
                                                        contactors%polygon_turn(2, row))
     end do
     call edges_of(last - first + 1, contactors%polygon_world(:, first:last), contactors%polygon_edge(:, first:last))
-    contactors%polygon_placed(row) = are_placed
   end subroutine place_polygon
 
   !> Outward unit normals and lengths of the edges of a polygon; an edge without length has no normal.

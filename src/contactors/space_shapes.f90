@@ -66,8 +66,9 @@ contains
   end subroutine space_shapes_visit
 
   !> Put contactors where their bodies are.
-  pure subroutine place_in_space(n, kind, body, row, shift, middle, centre, space)
-    integer, intent(in) :: n !! contactors
+  pure subroutine place_in_space(first, last, kind, body, row, shift, middle, centre, space)
+    integer, intent(in) :: first !! first contactor of the run
+    integer, intent(in) :: last !! its last contactor
     integer(i4), intent(in) :: kind(:) !! kind of shape
     integer(i4), intent(in) :: body(:) !! body of each
     integer(i4), intent(in) :: row(:) !! row in the table of its kind
@@ -79,7 +80,7 @@ contains
     integer :: c
 
     q = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
-    do c = 1, n
+    do c = first, last
       centre(:, c) = middle(1:3, body(c))
       if (size(middle, 1) == 7) q = middle(4:7, body(c))
       if (any(abs(shift(:, c)) > 0)) centre(:, c) = centre(:, c) + turned_by(q, shift(:, c))

@@ -13,11 +13,13 @@ module sg_contacts
   use sg_memory, only: memory_t
   implicit none
   private
-  public :: contacts_t, drop_contacts, grow_contacts, has_bonds, image_of, reserve_contacts, normal_impulse, impulse_vector, &
-            moment_vector
+  public :: begin_like, contacts_t, copy_run, drop_contacts, grow_contacts, has_bonds, image_of, reserve_contacts
+  public :: normal_impulse, impulse_vector, moment_vector
 
   !> All contacts of one step
   type, extends(fields_t) :: contacts_t
+    !> Room before the number of contacts, which a thread of detection writes: it shares no cache line with what others read
+    integer, private :: apart(32) = 0
     !> Number of contacts
     integer :: n = 0
     !> Dimension of space
@@ -96,6 +98,80 @@ contains
                        self%carried)
     call visitor%visit(field_t('kept', sync_on_owner, self%n_kept, self%n_kept > 0, .true., is_optional=.true.), self%kept)
   end subroutine contacts_visit
+
+  !> Begin without contacts, of the same kind as others.
+  subroutine begin_like(self, others)
+    type(contacts_t), intent(inout) :: self !! its room is kept, if its fields are those of the others
+    type(contacts_t), intent(in) :: others !! contacts whose fields these have
+
+    if (any([self%dimension, self%n_components, self%n_internal, self%n_carried, self%n_kept] /= &
+            [others%dimension, others%n_components, others%n_internal, others%n_carried, others%n_kept]) .or. &
+        (self%has_cell .neqv. others%has_cell)) self = contacts_t()
+    self%n = 0
+    self%is_cut = .false.
+    self%dimension = others%dimension
+    self%n_components = others%n_components
+    self%n_internal = others%n_internal
+    self%n_moments = others%n_moments
+    self%n_carried = others%n_carried
+    self%n_kept = others%n_kept
+    self%has_cell = others%has_cell
+    self%upwards = others%upwards
+    self%memory = others%memory
+  end subroutine begin_like
+
+  !> Copy all contacts of one list behind the first ones of another, whose fields are the same and which has room.
+  subroutine copy_run(from, before, to)
+    type(contacts_t), intent(in) :: from !! contacts to copy
+    integer, intent(in) :: before !! contacts of the other list that stand before them
+    type(contacts_t), intent(inout) :: to !! the other list; its number of contacts is for the caller to set
+
+    if (from%n == 0) return
+    associate (n => from%n, a => before + 1, d => from%dimension, m => from%n_components)
+      call copy_integers(2*n, from%contactor, to%contactor(1, a))
+      call copy_integers(2*n, from%body, to%body(1, a))
+      call copy_integers(n, from%feature, to%feature(a))
+      call copy_integers(n, from%law, to%law(a))
+      call copy_reals(d*n, from%normal, to%normal(1, a))
+      call copy_reals(d*n, from%point, to%point(1, a))
+      call copy_reals(n, from%gap, to%gap(a))
+      call copy_bytes(n, from%image, to%image(a))
+      if (allocated(from%image_y)) call copy_bytes(n, from%image_y, to%image_y(a))
+      if (allocated(from%image_z)) call copy_bytes(n, from%image_z, to%image_z(a))
+      call copy_reals(m*n, from%impulse, to%impulse(1, a))
+      call copy_bytes(n, from%status, to%status(a))
+      if (from%n_internal > 0) call copy_reals(from%n_internal*n, from%internal, to%internal(1, a))
+      if (from%n_carried > 0) call copy_reals(from%n_carried*n, from%carried, to%carried(1, a))
+      if (from%n_kept > 0) call copy_reals(from%n_kept*n, from%kept, to%kept(1, a))
+    end associate
+  end subroutine copy_run
+
+  !> Copy reals that stand in a row.
+  pure subroutine copy_reals(n, from, to)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: from(n)
+    real(wp), intent(inout) :: to(n)
+
+    to = from
+  end subroutine copy_reals
+
+  !> Copy integers that stand in a row.
+  pure subroutine copy_integers(n, from, to)
+    integer, intent(in) :: n
+    integer(i4), intent(in) :: from(n)
+    integer(i4), intent(inout) :: to(n)
+
+    to = from
+  end subroutine copy_integers
+
+  !> Copy bytes that stand in a row.
+  pure subroutine copy_bytes(n, from, to)
+    integer, intent(in) :: n
+    integer(i1), intent(in) :: from(n)
+    integer(i1), intent(inout) :: to(n)
+
+    to = from
+  end subroutine copy_bytes
 
   !> Make room for `n` contacts where there is memory; else `is_cut` is set.
   subroutine grow_contacts(contacts, n)

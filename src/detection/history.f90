@@ -49,6 +49,8 @@ module sg_history
     !> Least distance of each pair found apart, plus the paths of its shapes (sg_path_bound) at that time [m]; of pairs found so in
     !! this list of neighbours
     real(wp), allocatable :: clearance(:)
+    !> Contacts of the pieces of a list that threads share, before they are put together (sg_touch_pieces)
+    type(contacts_t), allocatable :: found(:)
     !> Must pairs be matched, because the list of neighbours is another one?
     logical :: is_matched = .false.
     !> Were the contacts read from a deck or a restart file? Then `contactor` is set and `keep_contacts` is not due

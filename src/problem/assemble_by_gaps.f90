@@ -22,12 +22,15 @@ module sg_assemble_by_gaps
                         solid_law, solid_spin_x, solid_spin_y, solid_spin_z, solid_tangent_x, solid_tangent_z, velocity_x, &
                         velocity_y, velocity_z
   use sg_scene, only: scene_t
+  use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   implicit none
   private
   public :: assemble_by_gaps
 
   !> Contacts of a pass: what several loops need of them stays in the first cache
   integer, parameter :: chunk = 128
+  !> Least chunks of a piece
+  integer, parameter :: least_chunks = 4
 
   interface
     !> Records of contacts of disks, and their relative velocities, four at a time (gap_records.cpp).
@@ -80,22 +83,53 @@ contains
 
   !> Fill a begun problem whose laws all look at the gap alone, or one of the same contacts a substep before; free norm, largest
   !! closing speed and friction are set.
-  pure subroutine assemble_by_gaps(scene, slot_of, contacts, time_step, goes_on, problem)
+  subroutine assemble_by_gaps(scene, slot_of, contacts, time_step, goes_on, problem)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     integer(i4), intent(in), contiguous :: slot_of(:) !! slots of bodies
     type(contacts_t), intent(in) :: contacts !! contacts with the guess of their impulses
     real(wp), intent(in) :: time_step !! length of the step [s]
     logical, intent(in) :: goes_on !! are slots and impulses those of these contacts already, as the substep before left them?
     type(problem_t), intent(inout) :: problem !! its bodies are set; its contacts are set
-    real(wp) :: bias(chunk), friction(chunk), q(3, chunk), opening(chunk), squares, fastest
-    integer :: first, last, n
+    real(wp) :: squares((contacts%n + chunk - 1)/chunk)
+    real(wp), allocatable :: closing_speed(:), most_friction(:)
+    type(share_t) :: share
+    type(piece_t) :: piece
+    integer :: t
 
-    squares = 0
-    fastest = 0
-    problem%most_friction = 0
-    problem%closing_speed = 0
-    do first = 1, contacts%n, chunk
-      last = min(contacts%n, first + chunk - 1)
+    allocate (closing_speed(n_sharing()), most_friction(n_sharing()), source=0.0_wp)
+    call begin_share(share, size(squares), least_chunks)
+    !$omp taskloop default(shared) private(t, piece) grainsize(1) if (share%pieces > 1)
+    do t = 1, n_sharing()
+      do while (takes(share, piece))
+        call assemble_chunks(scene, slot_of, contacts, time_step, goes_on, piece, problem, squares, closing_speed(t), &
+                             most_friction(t))
+      end do
+    end do
+    ! In the order of the chunks, whichever thread had them.
+    problem%free_norm = sqrt(sum(squares))
+    problem%closing_speed = maxval(closing_speed)
+    problem%most_friction = maxval(most_friction)
+  end subroutine assemble_by_gaps
+
+  !> Fill some chunks of it.
+  pure subroutine assemble_chunks(scene, slot_of, contacts, time_step, goes_on, piece, problem, squares, closing_speed, &
+                                  most_friction)
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in), contiguous :: slot_of(:)
+    type(contacts_t), intent(in) :: contacts
+    real(wp), intent(in) :: time_step
+    logical, intent(in) :: goes_on
+    type(piece_t), intent(in) :: piece !! first and last chunk
+    type(problem_t), intent(inout) :: problem
+    real(wp), intent(inout) :: squares(:) !! squares of the free relative velocities of each chunk, added
+    real(wp), intent(inout) :: closing_speed, most_friction !! largest ones so far
+    real(wp) :: bias(chunk), friction(chunk), q(3, chunk), opening(chunk), fastest
+    integer :: c, first, last, n
+
+    fastest = closing_speed**2*(1 - 8*epsilon(1.0_wp))
+    do c = piece%first, piece%last
+      first = (c - 1)*chunk + 1
+      last = min(contacts%n, c*chunk)
       n = last - first + 1
       call find_biases(scene, contacts, first, n, time_step, bias, friction)
       if (.not. goes_on) call put_pairs(slot_of, contacts, first, last, problem)
@@ -118,10 +152,10 @@ contains
           call assemble_solids(scene, contacts, first, n, bias, friction, goes_on, problem, q, opening)
         end select
       end associate
-      call add_free_velocities(n, q, opening, friction, squares, fastest, problem%closing_speed, problem%most_friction)
+      squares(c) = 0
+      call add_free_velocities(n, q, opening, friction, squares(c), fastest, closing_speed, most_friction)
     end do
-    problem%free_norm = sqrt(squares)
-  end subroutine assemble_by_gaps
+  end subroutine assemble_chunks
 
   !> Add the squares of free relative velocities of a chunk of contacts, and look for its largest closing speed and friction.
   pure subroutine add_free_velocities(n, q, opening, friction, squares, fastest, closing_speed, most_friction)

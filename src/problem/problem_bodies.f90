@@ -12,9 +12,13 @@ module sg_problem_bodies
                         solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, &
                         velocity_x, velocity_y, velocity_z
   use sg_rotations, only: frame_of, turned_back, turned_by
+  use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   implicit none
   private
   public :: load_bodies, take_velocities
+
+  !> Least bodies of a piece
+  integer, parameter :: least_bodies = 512
 
   interface
     !> Records of balls with friction, four at a time (ball_bodies.cpp).
@@ -39,18 +43,30 @@ module sg_problem_bodies
 contains
 
   !> Free velocities and inverse masses by slot.
-  pure subroutine load_bodies(bodies, kind, body_of, radius, body)
+  subroutine load_bodies(bodies, kind, body_of, radius, body)
     type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
     integer, intent(in) :: kind !! kind of problem
     integer(i4), intent(in), contiguous :: body_of(:) !! body of each slot
     real(wp), intent(in), contiguous :: radius(:) !! radius of round bodies [m]
     real(wp), intent(inout), contiguous :: body(:, :) !! records to fill
 
-    if (is_in_space(kind)) then
-      call load_space_bodies(bodies, kind, body_of, radius, body)
-    else
-      call load_plane_bodies(bodies, kind, body_of, radius, body)
-    end if
+    type(share_t) :: share
+    type(piece_t) :: piece
+    integer :: t
+
+    call begin_share(share, size(body_of), least_bodies)
+    !$omp taskloop default(shared) private(t, piece) grainsize(1) if (share%pieces > 1)
+    do t = 1, n_sharing()
+      do while (takes(share, piece))
+        associate (a => piece%first, z => piece%last)
+          if (is_in_space(kind)) then
+            call load_space_bodies(bodies, kind, body_of(a:z), radius, body(:, a:z))
+          else
+            call load_plane_bodies(bodies, kind, body_of(a:z), radius, body(:, a:z))
+          end if
+        end associate
+      end do
+    end do
   end subroutine load_bodies
 
   !> Those of bodies in the plane.
@@ -135,38 +151,50 @@ contains
   end subroutine load_space_bodies
 
   !> Velocities of the solution back to the bodies (into `free_velocity`).
-  pure subroutine take_velocities(problem, body_of, radius, bodies)
+  subroutine take_velocities(problem, body_of, radius, bodies)
     type(problem_t), intent(in) :: problem !! solved problem
     integer(i4), intent(in), contiguous :: body_of(:) !! body of each slot
     real(wp), intent(in), contiguous :: radius(:) !! as in `load_bodies`
     type(bodies_t), intent(inout) :: bodies !! bodies that move on
 
-    if (is_in_space(problem%kind)) then
-      call unload_space_bodies(problem, body_of, radius, bodies)
-    else
-      call unload_plane_bodies(problem, body_of, radius, bodies)
-    end if
+    type(share_t) :: share
+    type(piece_t) :: piece
+    integer :: t
+
+    call begin_share(share, problem%n_bodies, least_bodies)
+    !$omp taskloop default(shared) private(t, piece) grainsize(1) if (share%pieces > 1)
+    do t = 1, n_sharing()
+      do while (takes(share, piece))
+        associate (a => piece%first, z => piece%last)
+          if (is_in_space(problem%kind)) then
+            call unload_space_bodies(problem%kind, body_of(a:z), radius, problem%body(:, a:z), bodies)
+          else
+            call unload_plane_bodies(problem%kind, body_of(a:z), radius, problem%body(:, a:z), bodies)
+          end if
+        end associate
+      end do
+    end do
   end subroutine take_velocities
 
   !> Those of bodies in the plane.
-  pure subroutine unload_plane_bodies(problem, body_of, radius, bodies)
-    type(problem_t), intent(in) :: problem
+  pure subroutine unload_plane_bodies(kind, body_of, radius, body, bodies)
+    integer, intent(in) :: kind
     integer(i4), intent(in), contiguous :: body_of(:)
-    real(wp), intent(in), contiguous :: radius(:)
+    real(wp), intent(in), contiguous :: radius(:), body(:, :)
     type(bodies_t), intent(inout) :: bodies
     integer :: s
 
-    select case (plain_kind(problem%kind))
+    select case (plain_kind(kind))
     case (round_frictional)
-      call unload_disks(problem%n_bodies, bodies%n, body_of, radius, bodies%inverse_mass, problem%body, bodies%free_velocity)
+      call unload_disks(size(body_of), bodies%n, body_of, radius, bodies%inverse_mass, body, bodies%free_velocity)
     case (arm_frictional, arm_frictionless)
-      do s = 1, problem%n_bodies
-        bodies%free_velocity(1:2, body_of(s)) = problem%body(velocity_x:velocity_y, s)
-        bodies%free_velocity(3, body_of(s)) = problem%body(arm_spin, s)
+      do s = 1, size(body_of)
+        bodies%free_velocity(1:2, body_of(s)) = body(velocity_x:velocity_y, s)
+        bodies%free_velocity(3, body_of(s)) = body(arm_spin, s)
       end do
     case default
-      do s = 1, problem%n_bodies
-        bodies%free_velocity(1:2, body_of(s)) = problem%body(velocity_x:velocity_y, s)
+      do s = 1, size(body_of)
+        bodies%free_velocity(1:2, body_of(s)) = body(velocity_x:velocity_y, s)
       end do
     end select
   end subroutine unload_plane_bodies
@@ -189,23 +217,23 @@ contains
   end subroutine unload_disks
 
   !> Those of bodies in space.
-  pure subroutine unload_space_bodies(problem, body_of, radius, bodies)
-    type(problem_t), intent(in) :: problem
+  pure subroutine unload_space_bodies(kind, body_of, radius, body, bodies)
+    integer, intent(in) :: kind
     integer(i4), intent(in), contiguous :: body_of(:)
-    real(wp), intent(in), contiguous :: radius(:)
+    real(wp), intent(in), contiguous :: radius(:), body(:, :)
     type(bodies_t), intent(inout) :: bodies
     integer :: s, b
 
-    if (plain_kind(problem%kind) == ball_frictional) then
-      call unload_balls(int(problem%n_bodies, c_int), body_of, radius, bodies%middle, problem%body, bodies%free_velocity)
+    if (plain_kind(kind) == ball_frictional) then
+      call unload_balls(size(body_of, kind=c_int), body_of, radius, bodies%middle, body, bodies%free_velocity)
       return
     end if
-    do s = 1, problem%n_bodies
+    do s = 1, size(body_of)
       b = body_of(s)
-      bodies%free_velocity(1:3, b) = problem%body(velocity_x:velocity_z, s)
-      if (plain_kind(problem%kind) == ball_frictionless) cycle
+      bodies%free_velocity(1:3, b) = body(velocity_x:velocity_z, s)
+      if (plain_kind(kind) == ball_frictionless) cycle
       ! Driven components stay as they were given, to the last digit.
-      bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), problem%body(solid_spin_x:solid_spin_z, s)), &
+      bodies%free_velocity(4:6, b) = merge(turned_back(bodies%middle(4:7, b), body(solid_spin_x:solid_spin_z, s)), &
                                            bodies%free_velocity(4:6, b), bodies%inverse_mass(4:6, b) > 0)
     end do
   end subroutine unload_space_bodies

@@ -13,32 +13,58 @@ module sg_status_by_gaps
                         solid_arm_ay, solid_arm_az, solid_arm_cx, solid_arm_cy, solid_arm_cz, solid_bias_x, solid_bias_y, &
                         solid_bias_z, solid_friction, solid_frictional, solid_law, solid_s1, solid_s2, solid_spin_x, &
                         solid_spin_y, solid_spin_z, solid_wnn, velocity_x, velocity_y, velocity_z
+  use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   implicit none
   private
   public :: find_statuses
 
+  !> Least contacts of a piece
+  integer, parameter :: least_contacts = 1024
+
 contains
 
   !> What the contacts of a solved problem did in the step: nothing, stick or slide.
-  pure subroutine find_statuses(problem, rest, status)
+  subroutine find_statuses(problem, rest, status)
     type(problem_t), intent(in) :: problem !! solved problem with friction, its laws look at gaps
     real(wp), intent(in) :: rest !! velocity that counts as none [m/s]
     integer(i1), intent(inout), contiguous :: status(:) !! of its contacts
+    type(share_t) :: share
+    type(piece_t) :: piece
+    integer :: t
 
-    associate (n => problem%n_contacts, m => problem%n_bodies, pair => problem%pair, record => problem%record, &
-               r => problem%impulse, body => problem%body)
-      select case (problem%kind)
-      case (round_frictional)
-        call find_round(n, m, pair, record, r, body, rest, status)
-      case (arm_frictional)
-        call find_arms(n, m, pair, record, r, body, rest, status)
-      case (ball_frictional)
-        call find_balls(n, m, pair, record, r, body, rest, status)
-      case (solid_frictional)
-        call find_solids(n, m, pair, record, r, body, rest, status)
-      end select
-    end associate
+    call begin_share(share, problem%n_contacts, least_contacts)
+    !$omp taskloop default(shared) private(t, piece) grainsize(1) if (share%pieces > 1)
+    do t = 1, n_sharing()
+      do while (takes(share, piece))
+        associate (a => piece%first, z => piece%last)
+          call find_some(problem%kind, problem%n_bodies, problem%pair(:, a:z), problem%record(:, a:z), problem%impulse(:, a:z), &
+                         problem%body, rest, status(a:z))
+        end associate
+      end do
+    end do
   end subroutine find_statuses
+
+  !> Those of some contacts.
+  pure subroutine find_some(kind, m, pair, record, r, body, rest, status)
+    integer, intent(in) :: kind, m
+    integer(i4), intent(in), contiguous :: pair(:, :)
+    real(wp), intent(in), contiguous :: record(:, :), r(:, :), body(:, :)
+    real(wp), intent(in) :: rest
+    integer(i1), intent(inout), contiguous :: status(:)
+    integer :: n
+
+    n = size(status)
+    select case (kind)
+    case (round_frictional)
+      call find_round(n, m, pair, record, r, body, rest, status)
+    case (arm_frictional)
+      call find_arms(n, m, pair, record, r, body, rest, status)
+    case (ball_frictional)
+      call find_balls(n, m, pair, record, r, body, rest, status)
+    case (solid_frictional)
+      call find_solids(n, m, pair, record, r, body, rest, status)
+    end select
+  end subroutine find_some
 
   !> Those of disks.
   pure subroutine find_round(n, n_bodies, pair, record, r, body, rest, status)

@@ -33,7 +33,7 @@ contains
   end function can_update
 
   !> Make the problem of a substep from the solved one of the substep before, of the same contacts.
-  pure subroutine update_problem(scene, plan, pairs, contacts, time_step, problem)
+  subroutine update_problem(scene, plan, pairs, contacts, time_step, problem)
     type(scene_t), intent(in) :: scene !! scene, its `middle` configuration set
     type(plan_t), intent(in) :: plan !! radii of round bodies
     type(neighbours_t), intent(in) :: pairs !! bodies of slots, and slots of bodies
@@ -48,7 +48,7 @@ contains
   end subroutine update_problem
 
   !> Take impulses and velocities of a solved problem whose laws ask for no status: a later substep finds it.
-  pure subroutine take_impulses(problem, plan, pairs, scene, contacts)
+  subroutine take_impulses(problem, plan, pairs, scene, contacts)
     type(problem_t), intent(in) :: problem !! solved problem
     type(plan_t), intent(in) :: plan !! radii of round bodies
     type(neighbours_t), intent(in) :: pairs !! bodies of slots

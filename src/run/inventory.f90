@@ -120,6 +120,7 @@ contains
   subroutine list_history(history, tables)
     type(history_t), intent(in) :: history
     type(tables_t), intent(inout) :: tables
+    integer :: i
 
     call tables%begin('history', per_contact)
     call tables%note('contactor', history%contactor)
@@ -135,6 +136,10 @@ contains
     call tables%note('past', history%past)
     call tables%note('face', history%face)
     call tables%note('clearance', history%clearance)
+    if (.not. allocated(history%found)) return
+    do i = 1, size(history%found)
+      call history%found(i)%note(tables)
+    end do
   end subroutine list_history
 
   !> Tables of the contact problem.

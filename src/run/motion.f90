@@ -9,14 +9,18 @@ module sg_motion
   use sg_presence, only: hold_absent
   use sg_rotations, only: turned_back, turned_by, turned_on
   use sg_scene, only: scene_t, set_edges, set_gravity
+  use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   implicit none
   private
   public :: predict, update, shift, move_with_cell
 
+  !> Least bodies of a piece
+  integer, parameter :: least_bodies = 256
+
 contains
 
   !> External forces, free velocities and the configuration of detection.
-  pure subroutine predict(scene, time, h, theta)
+  subroutine predict(scene, time, h, theta)
     type(scene_t), intent(inout) :: scene !! scene at the beginning of the step
     real(wp), intent(in) :: time !! beginning of the step [s]
     real(wp), intent(in) :: h !! time step [s]
@@ -32,10 +36,31 @@ contains
     call drive_velocities(scene%drives, scene%bodies, time + h, h)
     if (scene%cell%is_on) call begin_in_cell(scene, time, h, theta)
     if (scene%bodies%has_presence) call hold_absent(scene%bodies)
-    if (scene%bodies%n_velocity == 6) call spin_freely(scene%bodies, h, theta)
-    call set_middle(scene%bodies, (1 - theta)*h)
+    call share_middle(scene%bodies, h, theta)
     if (scene%cell%is_on) call carry_middle(scene, (1 - theta)*h)
   end subroutine predict
+
+  !> Gyroscopic torques, and the configuration of detection.
+  subroutine share_middle(bodies, h, theta)
+    type(bodies_t), intent(inout) :: bodies
+    real(wp), intent(in) :: h, theta
+    type(share_t) :: share
+    type(piece_t) :: piece
+    integer :: t
+
+    if (bodies%n_velocity /= 6) then
+      call set_middle(bodies, (1 - theta)*h)
+      return
+    end if
+    call begin_share(share, bodies%n, least_bodies)
+    !$omp taskloop default(shared) private(t, piece) grainsize(1) if (share%pieces > 1)
+    do t = 1, n_sharing()
+      do while (takes(share, piece))
+        call spin_freely(bodies, piece, h, theta)
+        call set_middle_in_space(bodies, piece, (1 - theta)*h)
+      end do
+    end do
+  end subroutine share_middle
 
   !> Weights of all bodies. Loops over bodies here have plain arrays and components that are written out.
   pure subroutine set_weights(dimension, n_velocity, n, gravity, mass, force)
@@ -123,12 +148,13 @@ contains
   end subroutine move_with_cell
 
   !> Gyroscopic torques: those of the bodies whose principal moments differ.
-  pure subroutine spin_freely(bodies, h, theta)
+  pure subroutine spin_freely(bodies, piece, h, theta)
     type(bodies_t), intent(inout) :: bodies
+    type(piece_t), intent(in) :: piece !! first and last body
     real(wp), intent(in) :: h, theta
     integer :: b
 
-    do b = 1, bodies%n
+    do b = piece%first, piece%last
       associate (p => bodies%principal(:, b))
         if (.not. max(p(1), p(2), p(3)) > min(p(1), p(2), p(3))) cycle
       end associate
@@ -141,23 +167,31 @@ contains
   pure subroutine set_middle(bodies, duration)
     type(bodies_t), intent(inout) :: bodies
     real(wp), intent(in) :: duration
-    integer :: b, n
+    integer :: n
 
     n = bodies%dimension
     select case (bodies%n_velocity - n)
     case (1)
       call move_in_plane(bodies%n, duration, bodies%position, bodies%angle, bodies%velocity, bodies%middle)
-    case (3)
-      do b = 1, bodies%n
-        bodies%middle(1:3, b) = bodies%position(1:3, b) + duration*bodies%velocity(1:3, b)
-        bodies%middle(4:7, b) = turned_on(bodies%orientation(1:4, b), duration*bodies%velocity(4:6, b))
-      end do
     case default
       bodies%middle(:n, :) = bodies%position + duration*bodies%velocity(:n, :)
       if (allocated(bodies%angle)) bodies%middle(3, :) = bodies%angle
       if (allocated(bodies%orientation)) bodies%middle(4:7, :) = bodies%orientation
     end select
   end subroutine set_middle
+
+  !> The same of bodies that turn in space.
+  pure subroutine set_middle_in_space(bodies, piece, duration)
+    type(bodies_t), intent(inout) :: bodies
+    type(piece_t), intent(in) :: piece !! first and last body
+    real(wp), intent(in) :: duration
+    integer :: b
+
+    do b = piece%first, piece%last
+      bodies%middle(1:3, b) = bodies%position(1:3, b) + duration*bodies%velocity(1:3, b)
+      bodies%middle(4:7, b) = turned_on(bodies%orientation(1:4, b), duration*bodies%velocity(4:6, b))
+    end do
+  end subroutine set_middle_in_space
 
   !> Places and angles after a time, of bodies that turn in the plane.
   pure subroutine move_in_plane(n, duration, position, angle, velocity, moved)
@@ -174,27 +208,44 @@ contains
   end subroutine move_in_plane
 
   !> Move bodies to the end of the step; their velocities there stand in `free_velocity`.
-  pure subroutine update(bodies, h, theta)
+  subroutine update(bodies, h, theta)
     type(bodies_t), intent(inout) :: bodies !! bodies of the solved step
     real(wp), intent(in) :: h !! time step [s]
     real(wp), intent(in) :: theta !! weight of the end of the step
-    integer :: b, n
+    type(share_t) :: share
+    type(piece_t) :: piece
+    integer :: t
 
-    n = bodies%dimension
-    select case (bodies%n_velocity - n)
+    select case (bodies%n_velocity - bodies%dimension)
     case (1)
       call update_in_plane(bodies%n, h, theta, bodies%free_velocity, bodies%position, bodies%angle, bodies%velocity)
-      return
     case (3)
-      do b = 1, bodies%n
-        call update_in_space(h, theta, bodies%middle(4:7, b), bodies%principal(:, b), bodies%inverse_mass(4:6, b), &
-                             bodies%velocity(:, b), bodies%position(:, b), bodies%orientation(:, b), bodies%free_velocity(:, b))
+      call begin_share(share, bodies%n, least_bodies)
+      !$omp taskloop default(shared) private(t, piece) grainsize(1) if (share%pieces > 1)
+      do t = 1, n_sharing()
+        do while (takes(share, piece))
+          call update_piece(bodies, piece, h, theta)
+        end do
       end do
     case default
       bodies%position = bodies%position + h*((1 - theta)*bodies%velocity + theta*bodies%free_velocity)
+      bodies%velocity = bodies%free_velocity
     end select
-    bodies%velocity = bodies%free_velocity
   end subroutine update
+
+  !> Move bodies that turn in space.
+  pure subroutine update_piece(bodies, piece, h, theta)
+    type(bodies_t), intent(inout) :: bodies
+    type(piece_t), intent(in) :: piece !! first and last body
+    real(wp), intent(in) :: h, theta
+    integer :: b
+
+    do b = piece%first, piece%last
+      call update_in_space(h, theta, bodies%middle(4:7, b), bodies%principal(:, b), bodies%inverse_mass(4:6, b), &
+                           bodies%velocity(:, b), bodies%position(:, b), bodies%orientation(:, b), bodies%free_velocity(:, b))
+      bodies%velocity(:, b) = bodies%free_velocity(:, b)
+    end do
+  end subroutine update_piece
 
   !> Those that turn in the plane.
   pure subroutine update_in_plane(n, h, theta, next, position, angle, velocity)

@@ -71,7 +71,7 @@ contains
       if (.not. (allocated(error) .or. sim%options%is_quiet) .and. sim%writers%is_root) call print_line(nothing_to_do(sim))
       return
     end if
-    if (.not. allocated(error)) call loop(sim, code, error)
+    if (.not. allocated(error)) call loop_in_team(sim, code, error)
     call end_stage(sim, code, error)
     if (sim%goes_on) return
     call finish_run(sim, code, error)
@@ -254,6 +254,24 @@ contains
     end associate
     lacks_end = sim%comm%any(lacks_end)
   end function lacks_end
+
+  !> The loop in a team of threads, if there are several: the first thread runs the loop, the others take pieces of the work that it
+  !! shares. Subdomains of one process take turns in one thread: their sweeps alone are shared.
+  subroutine loop_in_team(sim, code, error)
+    type(simulation_t), intent(inout) :: sim
+    integer, intent(out) :: code
+    type(error_t), allocatable, intent(out) :: error
+
+    if (sim%options%solver%threads == 1 .or. sim%comm%n_here() > 1) then
+      call loop(sim, code, error)
+      return
+    end if
+    !$omp parallel default(shared) num_threads(sim%options%solver%threads)
+    !$omp master
+    call loop(sim, code, error)
+    !$omp end master
+    !$omp end parallel
+  end subroutine loop_in_team
 
   !> The steps.
   subroutine loop(sim, code, error)

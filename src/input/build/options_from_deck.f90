@@ -54,7 +54,7 @@ contains
     options%solver%order = deck%word(b, 'order')
     options%solver%order_seed = deck%integer(b, 'order_seed')
     options%solver%threads = deck%integer(b, 'threads')
-    if (options%solver%threads > 1) call check_threads(deck, options%solver, b, diagnostics)
+    if (options%solver%threads > 1) call check_threads(deck, b, diagnostics)
     options%solver%stop_unconverged = deck%flag(b, 'stop_unconverged')
     call partition_from_deck(deck, solvers(method), options%partition, diagnostics)
     b = deck%block_of('output')
@@ -117,19 +117,14 @@ contains
     if (allocated(error)) call deck%complain(diagnostics, error%message, block, 'structure')
   end subroutine structure_from_deck
 
-  !> Threads need a program that has them, and sweeps that can be shared.
-  subroutine check_threads(deck, options, block, diagnostics)
+  !> Threads need a program that has them.
+  subroutine check_threads(deck, block, diagnostics)
     type(deck_t), intent(in) :: deck
-    type(solver_options_t), intent(in) :: options
     integer, intent(in) :: block
     type(diagnostics_t), intent(inout) :: diagnostics
 
-    if (.not. threads_are_available()) then
-      call deck%complain(diagnostics, 'this program was built without OpenMP, which more than one thread needs', block, 'threads')
-    else if (options%order /= 'coloured') then
-      call deck%complain(diagnostics, to_text(options%threads)//' threads need order = "coloured": sweeps in '// &
-                         trim(options%order)//' order cannot be shared', block, 'threads')
-    end if
+    if (threads_are_available()) return
+    call deck%complain(diagnostics, 'this program was built without OpenMP, which more than one thread needs', block, 'threads')
   end subroutine check_threads
 
   !> Fill the options of the decomposition.

@@ -95,13 +95,14 @@ contains
       call table%add('leave_solved', value_logical, 'In long solves, leave out clusters of contacts that are solved and touch '// &
                      'no other.', default=true_or_false(default%leave_solved), used_for=sweeps)
       call table%add('order', value_choice, 'Order of the sweep: natural (spatial), coloured groups that overlap, '// &
-                     'coloured blocks of such groups, which threads can share, or shuffled (random, slower, for studies of '// &
+                     'coloured blocks of such groups, whose sweeps threads share, or shuffled (random, slower, for studies of '// &
                      'what order does).', default=quoted_string(trim(default%order)), choices='natural|groups|coloured|shuffled', &
                      used_for=sweeps)
       call table%add('order_seed', value_integer, 'Seed of the shuffled order.', default=to_text(default%order_seed), &
                      used_for='order=shuffled')
-      call table%add('threads', value_integer, 'Threads that share the sweeps of each rank, in coloured order; any number '// &
-                     'of them gives the same answer.', default=to_text(default%threads), least=1.0_wp, used_for=sweeps)
+      call table%add('threads', value_integer, 'Threads that share the steps of each rank: detection, assembly and motion '// &
+                     'of bodies, and in coloured order the sweeps; any number of them gives the same answer.', &
+                     default=to_text(default%threads), least=1.0_wp, used_for=sweeps)
       call table%add('stop_unconverged', value_logical, 'End the run when a step does not converge.', &
                      default=true_or_false(default%stop_unconverged))
     end associate

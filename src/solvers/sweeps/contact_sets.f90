@@ -134,7 +134,8 @@ contains
     type(problem_t), intent(in) :: problem
 
     can_take_last = self%n == 1 .and. .not. problem%cell%is_on &
-                    .and. (self%holds_last .or. (self%was_arranged .and. self%is_settled .and. self%options%order == 'groups'))
+                    .and. (self%holds_last .or. (self%was_arranged .and. self%is_settled .and. &
+                                                 any(self%options%order == ['groups  ', 'coloured'])))
     if (can_take_last) can_take_last = size(self%order) == 1
     if (can_take_last) can_take_last = holds_most(merge(self%order(1)%n, self%order(1)%dealt%n, self%holds_last), problem)
   end function can_take_last
@@ -194,7 +195,7 @@ contains
   end subroutine sets_arrange
 
   !> One order per set, without contacts; the room of orders is kept. Or the order of the problem before, where that goes on.
-  pure subroutine begin_orders(self, problem)
+  subroutine begin_orders(self, problem)
     class(contact_sets_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
 

@@ -13,6 +13,8 @@ module sg_sweep_colouring
   !> Blocks of a large problem per colour and their size in contacts. Small blocks fill a colour with work for many threads,
   !! large ones keep the spatial order and lanes full.
   integer, parameter :: wanted_blocks = 128, least_size = 256, most_size = 2048
+  !> Blocks of a smaller problem, and one more of contacts between them: threads would wait too often for more
+  integer, parameter :: few_blocks = 4
   !> Blocks that may touch a body before it counts as a wall
   integer, parameter :: most_touching = 8
   !> Colours that bodies keep account of (bits of an integer)
@@ -41,6 +43,10 @@ contains
     integer, allocatable :: last(:), last_of_walls(:), colour(:)
     integer :: n_inner
 
+    if (size(chosen) > 0 .and. size(chosen) < wanted_blocks*least_size) then
+      call cut_bodies(blocks, pair, chosen)
+      return
+    end if
     call cut(pair, chosen, last)
     call put_walls_last(pair, last, chosen, n_inner)
     if (n_inner < size(chosen)) then
@@ -52,6 +58,50 @@ contains
     call choose_colours(pair, chosen, last, colours_of, colour, blocks%n_colours)
     call arrange(blocks, last, colour, chosen)
   end subroutine colour_blocks
+
+  !> Cut the bodies into few parts with as many contacts each: contacts within parts are blocks of the first colour, those
+  !! between parts one block of the second. Bodies that nothing moves belong to a part, too: most contacts of walls are of the
+  !! second colour.
+  pure subroutine cut_bodies(blocks, pair, chosen)
+    type(sweep_colouring_t), intent(inout) :: blocks
+    integer(i4), intent(in), contiguous :: pair(:, :)
+    integer(i4), intent(inout), contiguous :: chosen(:)
+    integer, allocatable :: part(:), block_of(:), first(:), place(:)
+    integer :: i, b
+
+    call find_parts(pair, chosen, part)
+    allocate (block_of(size(chosen)))
+    do i = 1, size(chosen)
+      associate (c => part(pair(1, chosen(i))), a => part(pair(2, chosen(i))))
+        block_of(i) = merge(c, few_blocks + 1, c == a)
+      end associate
+    end do
+    call group_items(block_of, few_blocks + 1, first, place)
+    chosen(:) = chosen(place)
+    call make_room(blocks, few_blocks + 1, 2)
+    do b = 1, few_blocks + 1
+      blocks%last(b) = first(b + 1) - 1
+    end do
+    blocks%last_of_colour(1:2) = [few_blocks, few_blocks + 1]
+  end subroutine cut_bodies
+
+  !> Part of each slot: slots stand in spatial order.
+  pure subroutine find_parts(pair, chosen, part)
+    integer(i4), intent(in), contiguous :: pair(:, :), chosen(:)
+    integer, allocatable, intent(out) :: part(:)
+    integer :: i, slot, before, here
+
+    allocate (part(maxval(pair(:, chosen))), source=0)
+    do i = 1, size(chosen)
+      part(pair(1, chosen(i))) = part(pair(1, chosen(i))) + 1
+    end do
+    before = 0
+    do slot = 1, size(part)
+      here = part(slot)
+      part(slot) = min(few_blocks, 1 + int(int(few_blocks, i8)*int(before, i8)/int(size(chosen), i8)))
+      before = before + here
+    end do
+  end subroutine find_parts
 
   !> Cut a list of contacts into blocks of about one size, never between contacts of one pair.
   pure subroutine cut(pair, chosen, last)
@@ -155,10 +205,7 @@ contains
     integer, allocatable :: first(:), place(:)
     integer :: b, n
 
-    if (allocated(blocks%last)) deallocate (blocks%last, blocks%last_group, blocks%last_solid_group, blocks%last_row, &
-                                            blocks%last_of_colour)
-    allocate (blocks%last(0:blocks%n), blocks%last_group(0:blocks%n), blocks%last_solid_group(0:blocks%n), &
-              blocks%last_row(0:blocks%n), blocks%last_of_colour(0:blocks%n_colours), source=0)
+    call make_room(blocks, blocks%n, blocks%n_colours)
     call group_items(colour(:blocks%n), blocks%n_colours, first, place)
     blocks%last_of_colour(:) = first - 1
     allocate (arranged(size(chosen)))
@@ -169,4 +216,17 @@ contains
     end do
     chosen(:) = arranged
   end subroutine arrange
+
+  !> Room for so many blocks and colours.
+  pure subroutine make_room(blocks, n, n_colours)
+    type(sweep_colouring_t), intent(inout) :: blocks
+    integer, intent(in) :: n, n_colours
+
+    blocks%n = n
+    blocks%n_colours = n_colours
+    if (allocated(blocks%last)) deallocate (blocks%last, blocks%last_group, blocks%last_solid_group, blocks%last_row, &
+                                            blocks%last_of_colour)
+    allocate (blocks%last(0:n), blocks%last_group(0:n), blocks%last_solid_group(0:n), blocks%last_row(0:n), &
+              blocks%last_of_colour(0:n_colours), source=0)
+  end subroutine make_room
 end module sg_sweep_colouring

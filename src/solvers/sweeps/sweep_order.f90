@@ -18,6 +18,7 @@ module sg_sweep_order
   use sg_sweep_ball_lanes, only: put_ball_lanes
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, solid_lanes_t
+  use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   use sg_sweep_round_lanes, only: lane_length_of_disks, plain_length_of_disks, put_round_lanes, shared_of
   implicit none
   private
@@ -25,6 +26,8 @@ module sg_sweep_order
 
   !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
+  !> Least groups of a piece that a thread fills
+  integer, parameter :: least_groups = 64
 
   !> Contacts in the order of the sweep
   type :: sweep_order_t
@@ -49,7 +52,7 @@ module sg_sweep_order
     !> Blocks that may be swept side by side, in coloured order; and by how many threads
     type(sweep_colouring_t) :: blocks
     integer :: threads = 1
-    !> What `chosen` was dealt by, in `groups` order; and were these groups those of the problem before when the order was set?
+    !> What `chosen` was dealt by, in groups and in coloured order; and was that of the problem before taken when it was set?
     type(kept_dealing_t) :: dealt
     logical :: has_last_groups = .false.
     !> Room for dealing: contacts chosen and missed, and groups of each body as bits
@@ -60,7 +63,7 @@ module sg_sweep_order
 contains
 
   !> Choose the order of the marked contacts and copy them into it.
-  pure subroutine set_order(order, problem, is_wanted, options)
+  subroutine set_order(order, problem, is_wanted, options)
     type(sweep_order_t), intent(inout) :: order !! order to set
     type(problem_t), intent(in) :: problem !! problem to sweep
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit
@@ -68,16 +71,16 @@ contains
     logical :: is_done
 
     call make_room(order, problem, count(is_wanted(:problem%n_contacts)))
-    order%has_last_groups = options%order == 'groups'
+    order%has_last_groups = options%order == merge('coloured', 'groups  ', order%blocks%n > 0)
     if (order%has_last_groups) order%has_last_groups = order%dealt%holds(problem, is_wanted(:problem%n_contacts))
     order%serial = order%serial + 1
     order%n_groups = 0
     order%solids%n_groups = 0
-    order%blocks%n = 0
     order%threads = options%threads
     if (order%has_last_groups) then
       call take_groups(order)
     else
+      order%blocks%n = 0
       order%dealt%n = 0
       call choose(is_wanted(:problem%n_contacts), order%n, order%chosen)
       call put_in_order(order, problem, is_wanted(:problem%n_contacts), options)
@@ -111,7 +114,7 @@ contains
   end subroutine put_in_order
 
   !> Copy slots, records and impulses of a problem to an order that holds its contacts already, however old its copies are.
-  pure subroutine refill_order(order, problem, is_done)
+  subroutine refill_order(order, problem, is_done)
     type(sweep_order_t), intent(inout) :: order !! its copies are set
     type(problem_t), intent(in) :: problem !! problem to sweep
     logical, intent(out) :: is_done !! not where a contact no longer fits beside others: the order must be set again
@@ -123,7 +126,7 @@ contains
 
   !> Take the order of the last problem, where it holds contacts side by side alone: as it is, if the problem goes on from the last
   !! one; else without contacts that were added to it, if the problem has the same contacts and bodies.
-  pure subroutine take_last_order(order, problem, goes_on, is_ordered, is_done)
+  subroutine take_last_order(order, problem, goes_on, is_ordered, is_done)
     type(sweep_order_t), intent(inout) :: order !! its copies are set
     type(problem_t), intent(in) :: problem !! problem to sweep
     logical, intent(in) :: goes_on !! does the problem go on?
@@ -149,7 +152,7 @@ contains
   end subroutine take_last_order
 
   !> Copies one by one, and rows of solids.
-  pure subroutine fill_others(order, problem)
+  subroutine fill_others(order, problem)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
     logical :: is_done
@@ -174,7 +177,7 @@ contains
 
   !> Bring an order up to date with a new choice: where little has changed it stays, with the contacts that it missed at its end.
   !! An empty order is set.
-  pure subroutine update_order(order, problem, is_wanted, is_ordered, options)
+  subroutine update_order(order, problem, is_wanted, is_ordered, options)
     type(sweep_order_t), intent(inout) :: order !! order to change; its impulses are those of the problem
     type(problem_t), intent(in) :: problem !! problem being swept
     logical, intent(in), contiguous :: is_wanted(:) !! which contacts to visit, shape (contacts)
@@ -221,7 +224,7 @@ contains
   end subroutine list_missed
 
   !> Add the first contacts that were missed to groups of their own at the end of an order, if there is room.
-  pure subroutine append(order, problem, missed, is_done)
+  subroutine append(order, problem, missed, is_done)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: missed
@@ -324,18 +327,15 @@ contains
     integer :: b
 
     if (problem%kind == solid_frictional) call begin_rows(order%solids, size(order%contact))
-    if (.not. are_coloured) then
-      call deal(order, problem, 1, order%n)
-      call order%dealt%note(problem, is_wanted, [order%n_groups, order%solids%n_groups, order%solids%n_rows])
-      return
-    end if
-    call colour_blocks(order%blocks, problem%pair, order%groups_of, order%chosen(:order%n))
+    if (are_coloured) call colour_blocks(order%blocks, problem%pair, order%groups_of, order%chosen(:order%n))
+    if (order%blocks%n == 0) call deal(order, problem, 1, order%n)
     do b = 1, order%blocks%n
       call deal(order, problem, order%blocks%last(b - 1) + 1, order%blocks%last(b))
       order%blocks%last_group(b) = order%n_groups
       order%blocks%last_solid_group(b) = order%solids%n_groups
       order%blocks%last_row(b) = order%solids%n_rows
     end do
+    call order%dealt%note(problem, is_wanted, [order%n_groups, order%solids%n_groups, order%solids%n_rows])
   end subroutine deal_all
 
   !> Take the groups of the last dealing, without those that were added to them.
@@ -368,7 +368,7 @@ contains
   end subroutine deal
 
   !> Put records and impulses side by side, group by group, from a first group and its first contact on.
-  pure subroutine fill_lanes(order, problem, first_group, first, is_done)
+  subroutine fill_lanes(order, problem, first_group, first, is_done)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: first_group, first
@@ -376,14 +376,14 @@ contains
 
     if (first_group > 1) then
       ! Reals of a lane stay: what does not fit is for an order that is set again.
-      call put_lanes(order, problem, first_group, order%n_groups, first, is_done)
+      call share_lanes(order, problem, first_group, order%n_groups, first, is_done)
       return
     end if
     call make_lanes(order, problem, .true.)
-    call put_lanes(order, problem, 1, order%n_groups, 1, is_done)
+    call share_lanes(order, problem, 1, order%n_groups, 1, is_done)
     if (is_done .or. problem%kind /= round_frictional) return
     call make_lanes(order, problem, .false.)
-    call put_lanes(order, problem, 1, order%n_groups, 1, is_done)
+    call share_lanes(order, problem, 1, order%n_groups, 1, is_done)
   end subroutine fill_lanes
 
   !> Room for all groups, and what plain records of disks share.
@@ -412,7 +412,31 @@ contains
               order%lane_impulse(lanes, impulse_length(problem%kind), n))
   end subroutine make_lanes
 
-  !> Fill groups in room that is there.
+  !> Fill groups in room that is there; threads share them.
+  subroutine share_lanes(order, problem, first_group, last_group, first, is_done)
+    type(sweep_order_t), intent(inout) :: order
+    type(problem_t), intent(in) :: problem
+    integer, intent(in) :: first_group, last_group, first
+    logical, intent(out) :: is_done
+    type(share_t) :: share
+    type(piece_t) :: piece
+    logical, allocatable :: are_done(:)
+    integer :: t, before
+
+    call begin_share(share, last_group - first_group + 1, least_groups)
+    allocate (are_done(share%pieces), source=.true.)
+    !$omp taskloop default(shared) private(t, before, piece) grainsize(1) if (share%pieces > 1)
+    do t = 1, n_sharing()
+      do while (takes(share, piece))
+        before = sum(order%group_size(first_group:first_group + piece%first - 2))
+        call put_lanes(order, problem, first_group + piece%first - 1, first_group + piece%last - 1, first + before, &
+                       are_done(piece%number))
+      end do
+    end do
+    is_done = all(are_done)
+  end subroutine share_lanes
+
+  !> Fill some of them.
   pure subroutine put_lanes(order, problem, first_group, last_group, first, is_done)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem

@@ -18,6 +18,7 @@ module sg_sweeps
   use sg_sweep_solid_lanes, only: sweep_solid_lanes
   use sg_sweep_solid_order, only: solid_lanes_t
   use sg_sweep_solid_rolling, only: sweep_solid_mixed, sweep_solid_rolling
+  use sg_threads, only: begin_share, is_in_team, n_sharing, piece_t, share_t, takes
   implicit none
   private
   public :: sweep, sweep_impulses, sweep_run
@@ -47,8 +48,8 @@ contains
     end if
   end subroutine sweep
 
-  !> The same, colour by colour: threads share the blocks of a colour, which touch no body in common, and wait for each other
-  !! before the next one. The result does not depend on which thread sweeps a block.
+  !> The same, colour by colour: threads share the blocks of a colour, which touch no body in common. The result does not depend on
+  !! which thread sweeps a block. Where no team of threads is at work yet, there is one for this sweep.
   subroutine sweep_colours(kind, order, n_bodies, relaxation, body, past)
     integer, intent(in) :: kind, n_bodies
     type(sweep_order_t), intent(inout) :: order
@@ -56,19 +57,45 @@ contains
     real(wp), intent(inout), contiguous :: body(:, :)
     type(iterates_t), intent(inout), optional :: past
     real(wp) :: sums(2, order%blocks%n)
-    integer :: c, b
 
-    !$omp parallel default(shared) private(c, b) num_threads(order%threads) if (order%threads > 1)
-    do c = 1, order%blocks%n_colours
-      !$omp do schedule(static)
-      do b = order%blocks%last_of_colour(c - 1) + 1, order%blocks%last_of_colour(c)
-        call sweep_block(kind, order, b, n_bodies, relaxation, body, sums(:, b), past)
-      end do
-      !$omp end do
-    end do
-    !$omp end parallel
+    if (order%threads == 1 .or. is_in_team()) then
+      call share_blocks(kind, order, n_bodies, relaxation, body, sums, past)
+    else
+      !$omp parallel default(shared) num_threads(order%threads)
+      !$omp master
+      call share_blocks(kind, order, n_bodies, relaxation, body, sums, past)
+      !$omp end master
+      !$omp end parallel
+    end if
     if (present(past)) past%sums = sum(sums, 2)
   end subroutine sweep_colours
+
+  !> Sweep the blocks, colour by colour.
+  subroutine share_blocks(kind, order, n_bodies, relaxation, body, sums, past)
+    integer, intent(in) :: kind, n_bodies
+    type(sweep_order_t), intent(inout) :: order
+    real(wp), intent(in) :: relaxation
+    real(wp), intent(inout), contiguous :: body(:, :)
+    real(wp), intent(out) :: sums(2, order%blocks%n) !! of each block
+    type(iterates_t), intent(inout), optional :: past
+    type(share_t) :: share
+    type(piece_t) :: piece
+    integer :: c, b, t
+
+    do c = 1, order%blocks%n_colours
+      associate (last => order%blocks%last_of_colour(c - 1))
+        call begin_share(share, order%blocks%last_of_colour(c) - last, 1)
+        !$omp taskloop default(shared) private(t, b, piece) grainsize(1) if (share%pieces > 1)
+        do t = 1, n_sharing()
+          do while (takes(share, piece))
+            do b = last + piece%first, last + piece%last
+              call sweep_block(kind, order, b, n_bodies, relaxation, body, sums(:, b), past)
+            end do
+          end do
+        end do
+      end associate
+    end do
+  end subroutine share_blocks
 
   !> Sweep one block.
   pure subroutine sweep_block(kind, order, b, n_bodies, relaxation, body, sums, past)
