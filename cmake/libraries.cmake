@@ -130,6 +130,7 @@ if(SPLITGRAIN_OPENMP)
   separate_arguments(openmp_flags UNIX_COMMAND "${OpenMP_Fortran_FLAGS}")
   set(threaded base/system/threads detection/plane/placed_corners detection/touch_pieces
                problem/assemble_by_gaps problem/problem_bodies problem/status_by_gaps run/motion run/simulate
+               solvers/sweeps/order_errors
                solvers/sweeps/sweep_order solvers/sweeps/sweeps)
   list(TRANSFORM threaded REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/src/\\1.f90")
   list(APPEND splitgrain_libraries ${OpenMP_Fortran_LIBRARIES})

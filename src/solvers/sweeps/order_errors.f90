@@ -14,12 +14,15 @@ module sg_order_errors
   use sg_sweep_order, only: sweep_order_t
   use sg_sweep_round_lanes, only: plain_length_of_disks
   use sg_tables, only: per_contact, tables_t
+  use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   implicit none
   private
   public :: order_errors_t, holds_most
 
   !> Least share of the contacts that an order has to hold: the others are copied
   real(wp), parameter :: least_share = 0.75_wp
+  !> Groups of a part of the sums: so many runs of those that share a bound
+  integer, parameter :: groups_of_part = 8*groups_of_bound
 
   !> The last test of an order
   type :: order_errors_t
@@ -111,16 +114,35 @@ contains
     type(sweep_order_t), intent(in) :: order
     logical, intent(in) :: with_e1
     real(wp), intent(out) :: sums(n_error_sums)
+    real(wp) :: part(n_error_sums, (order%n_groups + groups_of_part - 1)/groups_of_part)
+    logical :: is_there(size(part, 2))
+    type(share_t) :: share
+    type(piece_t) :: piece
     integer(c_int) :: kind, length
+    integer :: t, p
 
     kind = lanes_of_arms
     if (problem%kind == round_frictional) kind = lanes_of_disks
     if (problem%kind == ball_frictional) kind = lanes_of_balls
     length = size(order%lane_record, 2, c_int)
     if (kind == lanes_of_disks .and. length == plain_length_of_disks) kind = lanes_of_plain_disks
-    self%is_set = measure_lanes(kind, int(order%n_groups, c_int), length, order%group_size, order%lane_pair, order%lane_record, &
-                                order%shared, order%lane_impulse, problem%body, merge(1_c_int, 0_c_int, with_e1), sums, &
-                                self%closing, self%bounds) > 0
+    call begin_share(share, size(part, 2), 1)
+    !$omp taskloop default(shared) private(t, p, piece) grainsize(1) if (share%pieces > 1)
+    do t = 1, n_sharing()
+      do while (takes(share, piece))
+        do p = piece%first, piece%last
+          associate (g => (p - 1)*groups_of_part + 1)
+            is_there(p) = measure_lanes(kind, int(min(groups_of_part, order%n_groups - g + 1), c_int), length, &
+                                        order%group_size(g), order%lane_pair(1, 1, g), order%lane_record(1, 1, g), order%shared, &
+                                        order%lane_impulse(1, 1, g), problem%body, merge(1_c_int, 0_c_int, with_e1), part(:, p), &
+                                        self%closing(1, g), self%bounds((g - 1)/groups_of_bound + 1)) > 0
+          end associate
+        end do
+      end do
+    end do
+    ! In the order of the parts, whichever thread had them.
+    sums = sum(part, 2)
+    self%is_set = all(is_there)
   end subroutine measure_groups
 
   !> List the contacts that an order does not hold: without branches.
