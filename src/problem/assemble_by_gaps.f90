@@ -30,7 +30,7 @@ module sg_assemble_by_gaps
   !> Contacts of a pass: what several loops need of them stays in the first cache
   integer, parameter :: chunk = 128
   !> Least chunks of a piece
-  integer, parameter :: least_chunks = 4
+  integer, parameter :: least_chunks = 8
 
   interface
     !> Records of contacts of disks, and their relative velocities, four at a time (gap_records.cpp).

@@ -23,6 +23,8 @@ module sg_order_errors
   real(wp), parameter :: least_share = 0.75_wp
   !> Groups of a part of the sums: so many runs of those that share a bound
   integer, parameter :: groups_of_part = 8*groups_of_bound
+  !> Least parts that a thread takes at once
+  integer, parameter :: least_parts = 2
 
   !> The last test of an order
   type :: order_errors_t
@@ -126,7 +128,7 @@ contains
     if (problem%kind == ball_frictional) kind = lanes_of_balls
     length = size(order%lane_record, 2, c_int)
     if (kind == lanes_of_disks .and. length == plain_length_of_disks) kind = lanes_of_plain_disks
-    call begin_share(share, size(part, 2), 1)
+    call begin_share(share, size(part, 2), least_parts)
     !$omp taskloop default(shared) private(t, p, piece) grainsize(1) if (share%pieces > 1)
     do t = 1, n_sharing()
       do while (takes(share, piece))

@@ -27,7 +27,7 @@ module sg_sweep_order
   !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
   !> Least groups of a piece that a thread fills
-  integer, parameter :: least_groups = 64
+  integer, parameter :: least_groups = 128
 
   !> Contacts in the order of the sweep
   type :: sweep_order_t

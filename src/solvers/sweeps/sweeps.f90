@@ -23,6 +23,9 @@ module sg_sweeps
   private
   public :: sweep, sweep_impulses, sweep_run
 
+  !> Least contacts of an order that threads share: a sweep of fewer takes as long as threads need to meet
+  integer, parameter :: least_contacts = 3000
+
 contains
 
   !> Update every contact of an order once. Solids side by side may take momentum.
@@ -80,11 +83,12 @@ contains
     type(iterates_t), intent(inout), optional :: past
     type(share_t) :: share
     type(piece_t) :: piece
-    integer :: c, b, t
+    integer :: c, b, t, least
 
+    least = merge(1, huge(1), order%n >= least_contacts)
     do c = 1, order%blocks%n_colours
       associate (last => order%blocks%last_of_colour(c - 1))
-        call begin_share(share, order%blocks%last_of_colour(c) - last, 1)
+        call begin_share(share, order%blocks%last_of_colour(c) - last, least)
         !$omp taskloop default(shared) private(t, b, piece) grainsize(1) if (share%pieces > 1)
         do t = 1, n_sharing()
           do while (takes(share, piece))
