@@ -280,7 +280,8 @@ contains
     type(simulation_t), intent(inout) :: sim
     real(wp), intent(in) :: measures(:)
 
-    if (size(measures) == 0 .or. size(measures) /= size(sim%writers%measures%column)) return
+    if (size(measures) == 0 .or. .not. allocated(sim%writers%measures%column)) return
+    if (size(measures) /= size(sim%writers%measures%column)) return
     sim%writers%measures%column%value = measures
     sim%writers%measured_step = sim%step
   end subroutine take_measures
