@@ -1,9 +1,10 @@
-!> Arrays that grow: reserve room with doubling, so that appending costs constant time on average.
+!> Arrays that grow: reserve room with doubling, so that appending costs constant time on average. And runs of one array copied to
+!! another one, of any rank, from an element on.
 module sg_lists
   use sg_kinds, only: wp, i1, i4
   implicit none
   private
-  public :: reserve, room_for
+  public :: copy_bytes, copy_flags, copy_integers, copy_reals, reserve, room_for
 
   !> Make the last dimension at least `n`, keeping what is there; grows by half or more
   interface reserve
@@ -86,4 +87,40 @@ contains
     grown(:, :size(list, 2)) = list
     call move_alloc(grown, list)
   end subroutine reserve_real_records
+
+  !> Copy reals that stand in a row.
+  pure subroutine copy_reals(n, from, to)
+    integer, intent(in) :: n !! how many
+    real(wp), intent(in) :: from(n) !! what is copied
+    real(wp), intent(inout) :: to(n) !! where to
+
+    to = from
+  end subroutine copy_reals
+
+  !> Copy integers that stand in a row.
+  pure subroutine copy_integers(n, from, to)
+    integer, intent(in) :: n !! how many
+    integer(i4), intent(in) :: from(n) !! what is copied
+    integer(i4), intent(inout) :: to(n) !! where to
+
+    to = from
+  end subroutine copy_integers
+
+  !> Copy bytes that stand in a row.
+  pure subroutine copy_bytes(n, from, to)
+    integer, intent(in) :: n !! how many
+    integer(i1), intent(in) :: from(n) !! what is copied
+    integer(i1), intent(inout) :: to(n) !! where to
+
+    to = from
+  end subroutine copy_bytes
+
+  !> Copy flags that stand in a row.
+  pure subroutine copy_flags(n, from, to)
+    integer, intent(in) :: n !! how many
+    logical, intent(in) :: from(n) !! what is copied
+    logical, intent(inout) :: to(n) !! where to
+
+    to = from
+  end subroutine copy_flags
 end module sg_lists

@@ -9,7 +9,7 @@ module sg_contacts
   use sg_fields, only: fields_t
   use sg_internal_values, only: bond_slip
   use sg_kinds, only: wp, i1, i4, i8
-  use sg_lists, only: room_for
+  use sg_lists, only: copy_bytes, copy_integers, copy_reals, room_for
   use sg_memory, only: memory_t
   implicit none
   private
@@ -145,33 +145,6 @@ contains
       if (from%n_kept > 0) call copy_reals(from%n_kept*n, from%kept, to%kept(1, a))
     end associate
   end subroutine copy_run
-
-  !> Copy reals that stand in a row.
-  pure subroutine copy_reals(n, from, to)
-    integer, intent(in) :: n
-    real(wp), intent(in) :: from(n)
-    real(wp), intent(inout) :: to(n)
-
-    to = from
-  end subroutine copy_reals
-
-  !> Copy integers that stand in a row.
-  pure subroutine copy_integers(n, from, to)
-    integer, intent(in) :: n
-    integer(i4), intent(in) :: from(n)
-    integer(i4), intent(inout) :: to(n)
-
-    to = from
-  end subroutine copy_integers
-
-  !> Copy bytes that stand in a row.
-  pure subroutine copy_bytes(n, from, to)
-    integer, intent(in) :: n
-    integer(i1), intent(in) :: from(n)
-    integer(i1), intent(inout) :: to(n)
-
-    to = from
-  end subroutine copy_bytes
 
   !> Make room for `n` contacts where there is memory; else `is_cut` is set.
   subroutine grow_contacts(contacts, n)

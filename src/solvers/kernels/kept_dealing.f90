@@ -3,6 +3,7 @@
 !! Lists are compared whole, without a branch per contact: pairs of all contacts, marks of those chosen, and of bodies that move.
 module sg_kept_dealing
   use sg_kinds, only: wp, i4
+  use sg_lists, only: copy_flags, copy_integers
   use sg_problem, only: problem_t
   use sg_records, only: body_length, first_inverse
   implicit none
@@ -44,29 +45,11 @@ contains
       self%n_contacts = n
       self%n_bodies = m
       self%groups = groups
-      call copy_marks(n, is_dealt, self%is_dealt)
-      call copy_slots(2*n, problem%pair, self%slots)
+      call copy_flags(n, is_dealt, self%is_dealt)
+      call copy_integers(2*n, problem%pair, self%slots)
       call find_movable(m, body_length(problem%kind), first_inverse(problem%kind), problem%body, self%moves)
     end associate
   end subroutine kept_dealing_note
-
-  !> Copy marks of contacts, on plain lists.
-  pure subroutine copy_marks(n, from, to)
-    integer, intent(in) :: n
-    logical, intent(in) :: from(n)
-    logical, intent(inout) :: to(n)
-
-    to = from
-  end subroutine copy_marks
-
-  !> Copy slots likewise.
-  pure subroutine copy_slots(n, from, to)
-    integer, intent(in) :: n
-    integer(i4), intent(in) :: from(n)
-    integer(i4), intent(inout) :: to(n)
-
-    to = from
-  end subroutine copy_slots
 
   !> Room for the contacts and bodies of a problem.
   pure subroutine make_room(self, contacts, bodies)

@@ -4,6 +4,7 @@
 !! far apart, and the sweep over them does what the pass would do.
 module sg_iterates
   use sg_kinds, only: wp
+  use sg_lists, only: copy_reals
   use sg_sweep_order, only: sweep_order_t
   use sg_sweep_solid_order, only: impulses_of_row, lanes, row_length
   implicit none
@@ -37,13 +38,13 @@ contains
     past%serial = order%serial
     call fit(n, past%before)
     if (order%n_groups > 0) then
-      call copy(n, order%lane_impulse, past%before)
+      call copy_reals(n, order%lane_impulse, past%before)
     else if (order%solids%n_groups > 0) then
       do row = 1, order%solids%n_rows
-        call copy(impulses_of_row, order%solids%row(1, 1, row), past%before((row - 1)*impulses_of_row + 1))
+        call copy_reals(impulses_of_row, order%solids%row(1, 1, row), past%before((row - 1)*impulses_of_row + 1))
       end do
     else if (n > 0) then
-      call copy(n, order%impulse, past%before)
+      call copy_reals(n, order%impulse, past%before)
     end if
   end subroutine hold
 
@@ -71,15 +72,6 @@ contains
       if (order%n > 0) stored = size(order%impulse, 1)*order%n
     end if
   end function stored
-
-  !> Copy reals.
-  pure subroutine copy(n, from, to)
-    integer, intent(in) :: n
-    real(wp), intent(in) :: from(n)
-    real(wp), intent(inout) :: to(n)
-
-    to = from
-  end subroutine copy
 
   !> Exchange reals.
   pure subroutine exchange(n, one, other)
