@@ -2,14 +2,14 @@
 !! (doc/theory/recovery.md).
 !!
 !! The push is the smallest one, in the norm of the masses, that opens all contacts: a contact problem without friction whose
-!! velocities are displacements, a projection on positions [Acary2013]. Contacts that carry impulses stay closed. Velocities and
-!! impulses stay as they are, and links keep their lengths.
+!! velocities are displacements, a projection on positions [Acary2013]. Contacts that carry impulses stay closed, and those that
+!! stick do not slide. Velocities and impulses stay as they are, and links keep their lengths.
 module sg_recovery
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use sg_comm, only: comm_t
   use sg_contacts, only: contacts_t, normal_impulse
   use sg_kinds, only: wp
-  use sg_laws, only: forbidden_gap, law_rigid_wire, law_rod, status_broken
+  use sg_laws, only: forbidden_gap, is_frictionless, law_rigid_wire, law_rod, status_broken, status_stick
   use sg_link_contacts, only: is_link
   use sg_motion, only: shift
   use sg_problem, only: is_active, problem_t
@@ -31,7 +31,7 @@ module sg_recovery
   real(wp), parameter :: reach_share = 0.5_wp
   !> Sweeps of a push per step since the last look, and at most: what they leave is for the next one (theory page, table)
   integer, parameter :: sweeps_per_step = 2, most_sweeps = 50
-  !> Updates of rows that cost nothing against a step: so many a push may take in any case
+  !> Updates of contacts that cost nothing against a step: so many a push may take in any case
   integer, parameter :: free_updates = 1000
 
 contains
@@ -40,7 +40,7 @@ contains
   subroutine recover(sim)
     type(simulation_t), intent(inout) :: sim !! after a step, its contacts those of the step
     real(wp) :: deepest(2)
-    integer :: rows
+    integer :: n
 
     if (modulo(sim%step, sim%options%recovery_every) > 0) return
     call find_deepest(sim%scene, sim%contacts, sim%problem, deepest)
@@ -48,9 +48,9 @@ contains
     if (.not. deepest(1) > sim%options%recovery) return
     if (.not. allocated(sim%pusher)) allocate (sim%pusher)
     call set_push(sim, reach_share*deepest(2))
-    rows = sim%pusher%push%n
-    call sim%comm%sum(rows)
-    call sim%pusher%solve(min(most_sweeps, max(sweeps_per_step*sim%options%recovery_every, free_updates/max(1, rows))), &
+    n = sim%pusher%push%n
+    call sim%comm%sum(n)
+    call sim%pusher%solve(min(most_sweeps, max(sweeps_per_step*sim%options%recovery_every, free_updates/max(1, n))), &
                           sim%decomposition%subdomain%by_slot(sim%pairs%slot_of), sim%comm)
     if (is_better(sim%pusher%push, sim%comm)) call move_bodies(sim)
   end subroutine recover
@@ -127,29 +127,31 @@ contains
     end associate
   end function size_of
 
-  !> Rows of a push: gaps that the next detection would find, of contacts that carry, overlap or nearly do, and links.
+  !> Contacts of a push: gaps that the next detection would find, of those that carry, overlap or nearly do, and links.
   subroutine set_push(sim, reach)
     type(simulation_t), intent(inout) :: sim
     real(wp), intent(in) :: reach !! largest gap of a contact that takes part without carrying [m]
-    real(wp) :: jacobian(6, 2), opening, gap, room
-    logical :: carries
+    real(wp) :: opening, gap, room
+    logical :: carries, sticks
     integer :: k
 
     associate (push => sim%pusher%push, contacts => sim%contacts)
       call push%begin(sim%scene, sim%plan, sim%pairs, sim%options%substep_length())
       do k = 1, contacts%n
+        sticks = .false.
         if (is_link(sim%scene, contacts, k)) then
           if (contacts%status(k) == status_broken) cycle
-          call push%find(sim%scene, sim%pairs, contacts, k, jacobian, opening)
+          call push%place(sim%scene, sim%pairs, contacts, k, opening)
           call find_slack(sim%scene, contacts, k, opening, gap, room)
         else
           gap = gap_of(sim%scene, contacts, k)
           carries = normal_impulse(contacts, k) > 0
           if (.not. (carries .or. gap < reach)) cycle
-          call push%find(sim%scene, sim%pairs, contacts, k, jacobian, opening)
+          call push%place(sim%scene, sim%pairs, contacts, k, opening)
           call find_aim(gap + opening, size_of(sim%scene, contacts, k), carries, sim%options%recovery, gap, room)
+          sticks = carries .and. contacts%status(k) == status_stick .and. .not. is_frictionless(sim%scene%laws(contacts%law(k)))
         end if
-        call push%add(sim%pairs%slot_of(contacts%body(:, k)), jacobian, gap, room)
+        call push%add(gap, room, sticks)
       end do
       call push%finish()
     end associate

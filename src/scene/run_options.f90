@@ -96,7 +96,7 @@ module sg_run_options
     !> Overlap over the smaller shape from which on bodies are pushed apart at the end of a step; 0 for never
     real(wp) :: recovery = 0
     !> Steps from one look for such overlap to the next
-    integer :: recovery_every = 4
+    integer :: recovery_every = 8
     !> The solver
     type(solver_options_t) :: solver
     !> What is watched

@@ -137,12 +137,13 @@ class CellStresses(CellCase):
         """Bodies of a cell that are pushed apart move alike in parts and on ranks, to what sweeps of a push leave of the overlap, 3e-4 of
         a radius."""
         self.write_pressed_sample(2, "polygon", 55, recovery=3e-4)
-        self.call()
+        often = ["--set", "time.recovery_every=4"]
+        self.call(*often)
         one = self.rows()
-        self.call("--set", "partition.parts=3", output="parts")
+        self.call(*often, "--set", "partition.parts=3", output="parts")
         outputs = ["parts"]
         if self.launcher:
-            self.call(output="ranks", ranks=2)
+            self.call(*often, output="ranks", ranks=2)
             outputs.append("ranks")
         for output in outputs:
             self.assertGreater(json.loads((self.place / output / "run.json").read_text())["recoveries"], 1)

@@ -80,7 +80,7 @@ LONG_SOLVES = """clusters.squares clusters.parent clusters.members clusters.exce
 order_errors.record order_errors.impulse order_errors.closing_of_others"""
 
 # Those of pushes come with the first overlap that is undone.
-PUSHES = "push.pair push.row push.impulse push.room push.body push.before push.past"
+PUSHES = "push.pair push.record push.impulse push.body push.before push.past"
 
 # Scene: deck, tables beside those of all, libraries, and upper bounds of bytes per grain and per contact. A grain and a contact of the
 # plane take least; turning bodies have angles and a third velocity, in space quaternions and spins, and where nothing turns there
@@ -150,14 +150,14 @@ class Needs(ProgramCase):
                 self.assertGreater(needs["contacts_compared"], 0)
                 self.assertGreater(needs["solver_over_kernel"], 0)
 
-    def test_pushes_hold_their_rows_and_nothing_else(self):
+    def test_pushes_hold_their_records_and_nothing_else(self):
         """A run that undoes overlap holds the problem of a push beside the rest."""
         deck, tables, *_ = SCENES["disks"]
         needs = self.needs(deck, "--set", "time.recovery=1e-6")
         held = {table for table, bytes_held in needs.items() if "." in table and bytes_held > 0}
         self.assertEqual(held - set(LONG_SOLVES.split()), set(f"{ALWAYS} {tables} {PUSHES}".split()))
-        rows = sum(needs[table] for table in ("push.pair", "push.row", "push.impulse", "push.room", "push.before"))
-        # 8 bytes of slots, ten reals, an impulse, the room and that of the sweep before: 112 for each row, of twice as many at most.
+        rows = sum(needs[table] for table in ("push.pair", "push.record", "push.impulse", "push.before"))
+        # 8 bytes of slots, eleven reals, an impulse and that of the sweep before: 112 for each contact, of twice as many at most.
         self.assertLess(rows, 2 * 112 * needs["contacts"] + 4000)
 
     def test_plain_sweeps_hold_nothing_for_momentum(self):

@@ -1,9 +1,9 @@
-!> Overlap that is undone: two grains, a grain in a floor and tilted boxes against closed forms, in the plane and in space; packs
-!! that few sweeps have left deep in each other, on any number of subdomains.
+!> Overlap that is undone: two grains, grains in and on a floor and tilted boxes against closed forms, in the plane and in space;
+!! packs that few sweeps have left deep in each other, on any number of subdomains.
 program test_recovery
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, pack_deck, pack_names, start_pack
-  use scenes, only: begin_run, begin_scene, put_disk, put_polygon, put_wall, run
+  use scenes, only: begin_run, begin_scene, drive, put_disk, put_polygon, put_wall, run
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
   use sg_comm, only: comm_t
   use sg_error, only: error_t
@@ -11,6 +11,7 @@ program test_recovery
   use sg_measures, only: measure, measures_t
   use sg_scene, only: scene_t
   use sg_simulation, only: decompose, simulation_t
+  use sg_time_functions, only: time_function_t
   use subdomain_tests, only: on_subdomains
   implicit none
   real(wp), parameter :: h = 1e-3_wp, small = 0.1_wp, large = 0.2_wp
@@ -25,6 +26,9 @@ program test_recovery
     call test_pair(dimension)
     call test_floor(dimension)
     call test_box(dimension)
+    call test_rolling(dimension, 0.3_wp, .false.)
+    call test_rolling(dimension, 0.0_wp, .false.)
+    call test_rolling(dimension, 0.3_wp, .true.)
   end do
   call on_subdomains(test_packs)
   call t%finish()
@@ -133,6 +137,58 @@ contains
     call t%near(sim%scene%bodies%position(dimension, 2), -0.1_wp, 0.0_wp, 'the floor stays')
   end subroutine test_box
 
+  !> Two equal grains that lie on a floor and overlap each other part by half of it each: they roll where they stick, slide where
+  !! nothing rubs, and one that sticks and must not turn leaves the whole way to the other one.
+  subroutine test_rolling(dimension, friction, is_held)
+    integer, intent(in) :: dimension
+    real(wp), intent(in) :: friction
+    logical, intent(in) :: is_held !! must the second one not turn?
+    real(wp), parameter :: deep = 0.005_wp*small, way = deep - left
+    ! A sweep without momentum leaves two thirds at most (disks, one held), one with it the root of that, and there are fifty.
+    real(wp), parameter :: unsolved = sqrt(2/3.0_wp)**50*way
+    type(simulation_t) :: sim
+    real(wp) :: share(2), turned(2)
+    integer :: component
+
+    if (dimension == 2) then
+      call begin_scene(sim%scene, 3, friction, 0.01_wp)
+      call put_wall(sim%scene, 3, 1.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
+      call put_disk(sim%scene, 1, small, [-(small - deep/2), small])
+      call put_disk(sim%scene, 2, small, [small - deep/2, small])
+    else
+      call begin_space_scene(sim%scene, 3, friction, 0.01_wp)
+      call put_plane(sim%scene, 3, [1.0_wp, 1.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
+      call put_sphere(sim%scene, 1, small, [-(small - deep/2), 0.0_wp, small])
+      call put_sphere(sim%scene, 2, small, [small - deep/2, 0.0_wp, small])
+    end if
+    if (is_held) then
+      do component = dimension + 1, sim%scene%bodies%n_velocity
+        call drive(sim%scene, 2, component, time_function_t())
+      end do
+    end if
+    call start(sim, allowed)
+    sim%scene%gravity(dimension) = -9.81_wp
+    call run(sim, 5)
+    share = merge([1.0_wp, 0.0_wp], [0.5_wp, 0.5_wp], is_held)
+    associate (x => sim%scene%bodies%position)
+      call t%near(x(1, 1), -(small - deep/2) - share(1)*way, unsolved, 'the first one goes its share')
+      call t%near(x(1, 2), small - deep/2 + share(2)*way, unsolved, 'the second one, too')
+      call t%near(maxval(abs(x(dimension, :2) - small)), 0.0_wp, 1e-13_wp, 'both stay on the floor')
+    end associate
+    call t%near(maxval(abs(sim%scene%bodies%velocity)), 0.0_wp, 1e-12_wp, 'a push leaves no velocity')
+    if (.not. friction > 0) then
+      call t%check(.not. sim%scene%bodies%has_orientation, 'nothing turns where nothing rubs')
+      return
+    end if
+    if (dimension == 2) then
+      turned = -sim%scene%bodies%angle(:2)
+    else
+      turned = 2*asin(sim%scene%bodies%orientation(3, :2))
+    end if
+    call t%near(turned(1), -share(1)*way/small, unsolved/small, 'the first one rolls where it sticks')
+    call t%near(turned(2), share(2)*way/small, unsolved/small, 'and so does the second one')
+  end subroutine test_rolling
+
   !> Packs that ten plain sweeps per step let sink into each other: a push lessens the overlap that it finds, copies of a
   !! body stay alike to the last bit, and the balance of energy is closed.
   subroutine test_packs(comm)
@@ -151,6 +207,7 @@ contains
     type(simulation_t) :: sim
     type(measures_t) :: before, after
     type(error_t), allocatable :: error
+    real(wp) :: share_left
     integer :: pushes
 
     call start_pack(t, comm, name, pack_deck(name), 1e-4_wp, sim)
@@ -171,10 +228,14 @@ contains
     call advance_pack(t, name, sim, 1)
     call look(sim, after)
     ! A push takes from each contact that carries all of its overlap beyond what it leaves, but no more than 0.1 % of the radius, or
-    ! a tenth of the overlap where that is more: some of these packs have 0.8 %. Measured: a quarter to four fifths of the mean is
+    ! a tenth of the overlap where that is more: some of these packs have 0.8 %. Measured: a quarter to three fifths of the mean is
     ! left. Where a push finds little more than is allowed, half of what is allowed is left at most. Corners of polyhedra that
-    ! tumble at this moment go h^2 w^2 r, as much as the overlap itself, off the straight way on which a gap is foreseen.
-    if (name /= 'polyhedra') call t%check(after%get('mean_penetration') < 0.9_wp*before%get('mean_penetration') .or. &
+    ! tumble at this moment go h^2 w^2 r, as much as the overlap itself, off the straight way on which a gap is foreseen. Clusters
+    ! touch each other at several points, and where all of these stick no way may be left: on four subdomains 0.95 of the mean
+    ! stays, and as much by a push of a thousand sweeps.
+    share_left = 0.9_wp
+    if (name == 'clusters') share_left = 1
+    if (name /= 'polyhedra') call t%check(after%get('mean_penetration') < share_left*before%get('mean_penetration') .or. &
                                           after%get('max_penetration') <= 0.5_wp*sim%options%recovery*largest_grain(sim%scene), &
                                           name//': overlap is less')
     ! Spins of bodies in space, see doc/theory/scheme.md, leave the balance open by what depends on the step.

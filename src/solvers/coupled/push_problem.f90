@@ -1,9 +1,8 @@
 !> Contact problem of a push: displacements of bodies that open gaps (doc/theory/recovery.md).
 !!
-!! Row k asks 0 <= J_k q + g_k <= room_k of the displacements q of two bodies, by a p_k that adds M^-1 J_k^T p_k to them: positive
-!! where the gap is 0, negative where it is the room, zero between them. A room of zero makes the row linear. A row holds J and
-!! M^-1 J^T of both bodies, so that one loop serves disks, polygons, balls and solids. Only rows of gaps within reach, of contacts
-!! that carry, and of links are listed.
+!! Contact k asks 0 <= H_n^T q + g_k <= room_k of the displacements q of two bodies, by an impulse p_k along its normal: positive
+!! where the gap is 0, negative where it is the room, zero between them. A room of zero makes it linear. One that sticks asks
+!! H_t^T q = 0 as well, by an impulse along its tangents. Contacts of gaps within reach, those that carry, and links are listed.
 module sg_push_problem
   use sg_cell_motion, only: cell_bias
   use sg_contacts, only: contacts_t
@@ -15,9 +14,11 @@ module sg_push_problem
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t
   use sg_problem_bodies, only: load_bodies
-  use sg_records, only: arm_frictional, arm_frictionless, ball_frictional, ball_frictionless, body_length, first_inverse, &
-                        plain_kind, round_frictional, round_frictionless, solid_frictionless, solid_inverse_mx, &
-                        solid_inverse_xx, solid_inverse_xy, solid_inverse_xz, solid_inverse_yy, solid_inverse_yz, solid_inverse_zz
+  use sg_push_records, only: plane_body, plane_gap, plane_inverse_wnn, plane_inverse_wtt, plane_moment_na, plane_moment_nc, &
+                             plane_moment_ta, plane_moment_tc, plane_record, space_arm_a, space_arm_c, space_body, space_gap, &
+                             space_inverse_wnn, space_inverse_wtt, space_record, weigh_in_plane, weigh_in_space
+  use sg_records, only: arm_frictionless, ball_frictionless, body_length, first_inverse, is_in_space, round_frictionless, &
+                        solid_frictionless
   use sg_scene, only: scene_t
   use sg_tables, only: per_body, per_contact, tables_t
   use sg_vectors, only: cross
@@ -30,20 +31,19 @@ module sg_push_problem
 
   !> Problem of one push; its room is kept for the next one
   type :: push_problem_t
-    !> Rows, and components of a displacement
+    !> Contacts, and components of a displacement
     integer :: n = 0, width = 0
-    !> Slots of the two bodies of each row, and bodies by slot with displacements [m] in the place of velocities. It has no records
+    !> Slots of the two bodies of each contact, and bodies by slot with displacements [m] in the place of velocities, as those that
+    !! turn have them. It has no records of its own
     type(problem_t) :: bodies
-    !> J of candidate and antagonist, M^-1 J^T of both, gap [m] and 1/(J M^-1 J^T) [kg], shape (4 width + 2, rows)
-    real(wp), allocatable :: row(:, :)
-    !> Impulses times the step [kg m], and the largest gap of each row [m]
-    real(wp), allocatable :: impulse(:), room(:)
+    !> Record of each contact, shape (length, contacts), and its impulse along the normal times the step [kg m]
+    real(wp), allocatable :: record(:, :), impulse(:)
     !> Step of the velocities [s], and are there driven spins or a cell, which the records of bodies do not carry?
     real(wp), private :: h = 0
     logical, private :: has_more = .false.
   contains
     procedure :: begin => push_begin
-    procedure :: find => push_find
+    procedure :: place => push_place
     procedure :: add => push_add
     procedure :: finish => push_finish
     procedure :: divide => push_divide
@@ -53,7 +53,7 @@ module sg_push_problem
 
 contains
 
-  !> Begin a problem without rows, of bodies with the velocities of the step that ends.
+  !> Begin a problem without contacts, of bodies with the velocities of the step that ends.
   subroutine push_begin(self, scene, plan, pairs, h)
     class(push_problem_t), intent(inout) :: self
     type(scene_t), intent(in) :: scene !! after a step, its free velocities those of the end
@@ -73,99 +73,110 @@ contains
       if (allocated(bodies%body)) then
         if (size(bodies%body, 2) /= bodies%n_bodies) deallocate (bodies%body)
       end if
-      if (.not. allocated(bodies%body)) allocate (bodies%body(body_length(bodies%kind), bodies%n_bodies))
-      call load_bodies(scene%bodies, bodies%kind, pairs%body_of, plan%radius, bodies%body)
+      if (.not. allocated(bodies%body)) allocate (bodies%body(merge(plane_body, space_body, scene%dimension == 2), bodies%n_bodies))
+      if (self%width == scene%dimension) then
+        call load_without_turn(scene, plan, pairs, bodies)
+      else
+        call load_bodies(scene%bodies, bodies%kind, pairs%body_of, plan%radius, bodies%body)
+      end if
     end associate
-    ! A rank without rows has tables too.
-    if (.not. allocated(self%row)) call grow(self)
+    ! A rank without contacts has tables too.
+    if (.not. allocated(self%record)) call grow(self)
   end subroutine push_begin
 
-  !> Make room for more rows.
+  !> Load bodies that do not turn into records of those that do.
+  subroutine load_without_turn(scene, plan, pairs, bodies)
+    type(scene_t), intent(in) :: scene
+    type(plan_t), intent(in) :: plan
+    type(neighbours_t), intent(in) :: pairs
+    type(problem_t), intent(inout) :: bodies
+    real(wp), allocatable :: body(:, :)
+    integer :: turning
+
+    allocate (body(body_length(bodies%kind), bodies%n_bodies))
+    call load_bodies(scene%bodies, bodies%kind, pairs%body_of, plan%radius, body)
+    turning = merge(arm_frictionless, solid_frictionless, scene%dimension == 2)
+    associate (d => scene%dimension, inverse => first_inverse(turning))
+      bodies%body = 0
+      bodies%body(:d, :) = body(:d, :)
+      bodies%body(inverse:inverse + d - 1, :) = body(d + 1:2*d, :)
+    end associate
+  end subroutine load_without_turn
+
+  !> Make room for more contacts.
   pure subroutine grow(self)
     class(push_problem_t), intent(inout) :: self
     integer(i4), allocatable :: pair(:, :)
-    real(wp), allocatable :: row(:, :), impulse(:), rooms(:)
+    real(wp), allocatable :: record(:, :), impulse(:)
     integer :: n
 
     n = 16 + self%n + self%n/2
-    allocate (pair(2, n), row(4*self%width + 2, n), impulse(n), rooms(n))
+    allocate (pair(2, n), record(merge(space_record, plane_record, is_in_space(self%bodies%kind)), n), impulse(n))
     if (self%n > 0) then
       pair(:, :self%n) = self%bodies%pair
-      row(:, :self%n) = self%row
+      record(:, :self%n) = self%record
       impulse(:self%n) = self%impulse
-      rooms(:self%n) = self%room
     end if
     call move_alloc(pair, self%bodies%pair)
-    call move_alloc(row, self%row)
+    call move_alloc(record, self%record)
     call move_alloc(impulse, self%impulse)
-    call move_alloc(rooms, self%room)
   end subroutine grow
 
-  !> Kind of problem of a push: without friction.
+  !> Kind of problem of a push: what turns in that of a run turns in it, by the records of any shape.
   pure integer function kind_of_push(kind)
     integer, intent(in) :: kind !! kind of the problems of a run
 
-    select case (plain_kind(kind))
-    case (round_frictionless, round_frictional)
-      kind_of_push = round_frictionless
-    case (arm_frictionless, arm_frictional)
-      kind_of_push = arm_frictionless
-    case (ball_frictionless, ball_frictional)
-      kind_of_push = ball_frictionless
-    case default
-      kind_of_push = solid_frictionless
-    end select
+    kind_of_push = kind
+    if (any(kind == [round_frictionless, ball_frictionless])) return
+    kind_of_push = merge(solid_frictionless, arm_frictionless, is_in_space(kind))
   end function kind_of_push
 
-  !> Find the opening that displacements of two bodies make at a contact, and by how much it opens in the rest of the step.
-  pure subroutine push_find(self, scene, pairs, contacts, k, jacobian, opening)
-    class(push_problem_t), intent(in) :: self !! begun
+  !> Place the next contact, and find by how much it opens in the rest of the step.
+  pure subroutine push_place(self, scene, pairs, contacts, k, opening)
+    class(push_problem_t), intent(inout) :: self !! begun
     type(scene_t), intent(in) :: scene !! scene in its `middle` configuration
     type(neighbours_t), intent(in) :: pairs !! slots of bodies
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
-    real(wp), intent(out) :: jacobian(6, 2) !! of displacements of candidate and antagonist
     real(wp), intent(out) :: opening !! [m]
-    integer :: i, c, a
+    real(wp) :: arms(2, 2), space(3, 2)
 
-    call find_jacobian(self%width, scene, contacts, k, jacobian)
-    if (self%has_more) then
-      opening = self%h*opening_of(scene, contacts, k)
-      return
-    end if
-    c = pairs%slot_of(contacts%body(1, k))
-    a = pairs%slot_of(contacts%body(2, k))
-    opening = 0
-    do i = 1, self%width
-      opening = opening + jacobian(i, 1)*self%bodies%body(i, c) + jacobian(i, 2)*self%bodies%body(i, a)
-    end do
-    opening = self%h*opening
-  end subroutine push_find
-
-  !> Opening by displacements of the bodies of a contact.
-  pure subroutine find_jacobian(width, scene, contacts, k, jacobian)
-    integer, intent(in) :: width
-    type(scene_t), intent(in) :: scene
-    type(contacts_t), intent(in) :: contacts
-    integer, intent(in) :: k
-    real(wp), intent(out) :: jacobian(6, 2)
-    real(wp) :: arms(2, 2), solid_arms(3, 2)
-
-    associate (n => contacts%normal(:, k), d => scene%dimension)
-      jacobian(:d, 1) = n
-      jacobian(:d, 2) = -n
-      if (width == d) return
-      if (d == 2) then
+    if (size(self%impulse) == self%n) call grow(self)
+    self%bodies%pair(:, self%n + 1) = pairs%slot_of(contacts%body(:, k))
+    associate (record => self%record(:, self%n + 1), n => contacts%normal(:, k))
+      record(:scene%dimension) = n
+      if (scene%dimension == 2) then
         arms = arms_of(contacts, k, scene%bodies%middle, scene%period)
-        jacobian(3, 1) = arms(1, 1)*n(2) - arms(2, 1)*n(1)
-        jacobian(3, 2) = arms(2, 2)*n(1) - arms(1, 2)*n(2)
+        record(plane_moment_nc:plane_moment_na) = arms(1, :)*n(2) - arms(2, :)*n(1)
+        record(plane_moment_tc:plane_moment_ta) = -arms(1, :)*n(1) - arms(2, :)*n(2)
       else
-        solid_arms = space_arms(scene, contacts, k)
-        jacobian(4:, 1) = cross(solid_arms(:, 1), n)
-        jacobian(4:, 2) = cross(n, solid_arms(:, 2))
+        space = space_arms(scene, contacts, k)
+        record(space_arm_c:space_arm_c + 2) = space(:, 1)
+        record(space_arm_a:space_arm_a + 2) = space(:, 2)
       end if
     end associate
-  end subroutine find_jacobian
+    if (self%has_more) then
+      opening = self%h*opening_of(scene, contacts, k)
+    else
+      opening = self%h*displacement_of(self, self%n + 1)
+    end if
+  end subroutine push_place
+
+  !> Displacement of a contact along its normal by those of its bodies [m]; or velocity, by velocities.
+  pure real(wp) function displacement_of(self, k) result(u)
+    type(push_problem_t), intent(in) :: self
+    integer, intent(in) :: k
+
+    associate (record => self%record(:, k), body => self%bodies%body, c => self%bodies%pair(1, k), a => self%bodies%pair(2, k))
+      if (is_in_space(self%bodies%kind)) then
+        u = dot_product(record(:3), body(:3, c) + cross(body(4:6, c), record(space_arm_c:space_arm_c + 2)) &
+                                    - body(:3, a) - cross(body(4:6, a), record(space_arm_a:space_arm_a + 2)))
+      else
+        u = dot_product(record(:2), body(:2, c) - body(:2, a)) + record(plane_moment_nc)*body(3, c) - &
+            record(plane_moment_na)*body(3, a)
+      end if
+    end associate
+  end function displacement_of
 
   !> Velocity at which a contact opens at the end of the step, with all that moves its bodies [m/s].
   pure real(wp) function opening_of(scene, contacts, k) result(u)
@@ -185,64 +196,36 @@ contains
     u = u + of_cell(1)
   end function opening_of
 
-  !> Add a row, unless nothing can move its bodies.
-  pure subroutine push_add(self, pair, jacobian, gap, room)
-    class(push_problem_t), intent(inout) :: self !! begun
-    integer(i4), intent(in) :: pair(2) !! slots of candidate and antagonist
-    real(wp), intent(in) :: jacobian(6, 2) !! opening by displacements of the two
+  !> Add the contact that is placed, unless nothing can move its bodies.
+  pure subroutine push_add(self, gap, room, sticks)
+    class(push_problem_t), intent(inout) :: self !! a contact is placed
     real(wp), intent(in) :: gap !! opening without displacements [m]
     real(wp), intent(in) :: room !! largest opening with displacements [m]
-    real(wp) :: moved(6), w
-    integer :: i, side
+    logical, intent(in) :: sticks !! may it not slide?
 
-    if (size(self%room) == self%n) call grow(self)
-    w = 0
-    associate (n => self%width, row => self%row(:, self%n + 1))
-      do side = 1, 2
-        call find_moved(n, jacobian(:, side), self%bodies%body(:, pair(side)), moved)
-        do i = 1, n
-          row((side - 1)*n + i) = jacobian(i, side)
-          row((side + 1)*n + i) = moved(i)
-          w = w + jacobian(i, side)*moved(i)
-        end do
-      end do
-      if (.not. w > 0) return
-      row(4*n + 1) = gap
-      row(4*n + 2) = 1/w
-    end associate
     self%n = self%n + 1
-    self%bodies%pair(:, self%n) = pair
     self%impulse(self%n) = 0
-    self%room(self%n) = room
+    associate (n => self%n)
+      if (is_in_space(self%bodies%kind)) then
+        self%record(space_gap:space_gap + 1, n) = [gap, room]
+        call weigh_in_space(self%bodies%body, self%bodies%pair(:, n), sticks, self%record(:, n))
+        if (.not. self%record(space_inverse_wnn, n) > 0) self%n = n - 1
+      else
+        self%record(plane_gap:plane_gap + 1, n) = [gap, room]
+        call weigh_in_plane(self%bodies%body, self%bodies%pair(:, n), sticks, self%record(:, n))
+        if (.not. self%record(plane_inverse_wnn, n) > 0) self%n = n - 1
+      end if
+    end associate
   end subroutine push_add
 
-  !> Displacement of a body by an impulse along a row, M^-1 J^T [1/kg].
-  pure subroutine find_moved(width, jacobian, body, moved)
-    integer, intent(in) :: width
-    real(wp), intent(in) :: jacobian(6)
-    real(wp), intent(in), contiguous :: body(:) !! its record
-    real(wp), intent(out) :: moved(6)
-
-    if (width < 6) then
-      moved(:width) = body(width + 1:2*width)*jacobian(:width)
-      return
-    end if
-    moved(:3) = body(solid_inverse_mx:solid_inverse_mx + 2)*jacobian(:3)
-    associate (j => jacobian(4:))
-      moved(4) = body(solid_inverse_xx)*j(1) + body(solid_inverse_xy)*j(2) + body(solid_inverse_xz)*j(3)
-      moved(5) = body(solid_inverse_xy)*j(1) + body(solid_inverse_yy)*j(2) + body(solid_inverse_yz)*j(3)
-      moved(6) = body(solid_inverse_xz)*j(1) + body(solid_inverse_yz)*j(2) + body(solid_inverse_zz)*j(3)
-    end associate
-  end subroutine find_moved
-
-  !> All rows are listed: from here on bodies have displacements, which are zero.
+  !> All contacts are listed: from here on bodies have displacements, which are zero.
   pure subroutine push_finish(self)
     class(push_problem_t), intent(inout) :: self
     integer :: s
 
     self%bodies%n_contacts = self%n
     do s = 1, self%bodies%n_bodies
-      self%bodies%body(:self%width, s) = 0
+      self%bodies%body(:merge(6, 3, is_in_space(self%bodies%kind)), s) = 0
     end do
   end subroutine push_finish
 
@@ -250,32 +233,37 @@ contains
   pure subroutine push_divide(self, copies)
     class(push_problem_t), intent(inout) :: self
     integer, intent(in) :: copies(:) !! of the body of each slot
-    integer :: k, side, first
+    integer :: k, s, first
 
-    do k = 1, self%n
-      associate (n => self%width, row => self%row(:, k))
-        do side = 1, 2
-          first = (1 + side)*n + 1
-          row(first:first + n - 1) = row(first:first + n - 1)*real(copies(self%bodies%pair(side, k)), wp)
-        end do
-        row(4*n + 2) = 1/dot_product(row(:2*n), row(2*n + 1:4*n))
-      end associate
+    first = merge(7, 4, is_in_space(self%bodies%kind))
+    do s = 1, self%bodies%n_bodies
+      self%bodies%body(first:, s) = self%bodies%body(first:, s)*real(copies(s), wp)
     end do
+    associate (pair => self%bodies%pair)
+      do k = 1, self%n
+        if (all(copies(pair(:, k)) == 1)) cycle
+        if (first == 7) then
+          call weigh_in_space(self%bodies%body, pair(:, k), self%record(space_inverse_wtt, k) > 0, self%record(:, k))
+        else
+          call weigh_in_plane(self%bodies%body, pair(:, k), self%record(plane_inverse_wtt, k) > 0, self%record(:, k))
+        end if
+      end do
+    end associate
   end subroutine push_divide
 
-  !> Squares of what rows lack or open too far [m2], without displacements and with them.
+  !> Squares of what contacts lack or open too far [m2], without displacements and with them.
   pure subroutine push_measure(self, squares)
     class(push_problem_t), intent(in) :: self !! solved
-    real(wp), intent(out) :: squares(2) !! sums over the rows of this rank
-    real(wp) :: gap
-    integer :: k
+    real(wp), intent(out) :: squares(2) !! sums over the contacts of this rank
+    real(wp) :: gap(2)
+    integer :: k, place
 
     squares = 0
+    place = merge(space_gap, plane_gap, is_in_space(self%bodies%kind))
     do k = 1, self%n
-      associate (n => self%width, row => self%row(:, k), c => self%bodies%pair(1, k), a => self%bodies%pair(2, k))
-        gap = row(4*n + 1) + dot_product(row(:n), self%bodies%body(:n, c)) + dot_product(row(n + 1:2*n), self%bodies%body(:n, a))
-        squares = squares + max(-[row(4*n + 1), gap], [row(4*n + 1), gap] - self%room(k), 0.0_wp)**2
-      end associate
+      gap = self%record(place, k)
+      gap(2) = gap(2) + displacement_of(self, k)
+      squares = squares + max(-gap, gap - self%record(place + 1, k), 0.0_wp)**2
     end do
   end subroutine push_measure
 
@@ -285,10 +273,9 @@ contains
     type(tables_t), intent(inout) :: tables !! list to add to
 
     call tables%begin('push', per_contact)
-    call tables%note('row', self%row)
+    call tables%note('record', self%record)
     call tables%note('pair', self%bodies%pair)
     call tables%note('impulse', self%impulse)
-    call tables%note('room', self%room)
     call tables%begin('push', per_body)
     call tables%note('body', self%bodies%body)
   end subroutine push_list_tables
