@@ -29,8 +29,8 @@ module sg_recovery
   real(wp), parameter :: left_share = 0.4_wp
   !> Contacts take part that carry, or whose gaps are below this share of the deepest overlap
   real(wp), parameter :: reach_share = 0.5_wp
-  !> Sweeps of a push per step since the last look, and at most: what they leave is for the next one (theory page, table)
-  integer, parameter :: sweeps_per_step = 2, most_sweeps = 50
+  !> Sweeps of a push, and at most: what they leave is for the next one (theory page, table)
+  integer, parameter :: sweeps = 16, most_sweeps = 50
   !> Updates of contacts that cost nothing against a step: so many a push may take in any case
   integer, parameter :: free_updates = 1000
 
@@ -50,7 +50,7 @@ contains
     call set_push(sim, reach_share*deepest(2))
     n = sim%pusher%push%n
     call sim%comm%sum(n)
-    call sim%pusher%solve(min(most_sweeps, max(sweeps_per_step*sim%options%recovery_every, free_updates/max(1, n))), &
+    call sim%pusher%solve(min(most_sweeps, max(sweeps, free_updates/max(1, n))), &
                           sim%decomposition%subdomain%by_slot(sim%pairs%slot_of), sim%comm)
     if (is_better(sim%pusher%push, sim%comm)) call move_bodies(sim)
   end subroutine recover

@@ -20,6 +20,9 @@ module sg_run_options
   character(len=9), parameter :: criterion_names(8) = &
     [character(len=9) :: 'e1', 'e2', 'e8', 'violation', 'quad', 'maxm', 'qm16', 'estimate']
 
+  !> Overlap over the smaller shape from which on it is undone, of decks that do not say otherwise (doc/theory/recovery.md)
+  real(wp), parameter, public :: default_recovery = 1e-4_wp
+
   !> How grains are split over ranks
   character(len=8), parameter :: split_names(2) = [character(len=8) :: 'boxes', 'graph']
 
@@ -96,7 +99,7 @@ module sg_run_options
     !> Overlap over the smaller shape from which on bodies are pushed apart at the end of a step; 0 for never
     real(wp) :: recovery = 0
     !> Steps from one look for such overlap to the next
-    integer :: recovery_every = 8
+    integer :: recovery_every = 4
     !> The solver
     type(solver_options_t) :: solver
     !> What is watched

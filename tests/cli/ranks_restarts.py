@@ -12,9 +12,10 @@ class Restarts(Ranks):
             self.skipTest("a build without HDF5 has no checkpoints")
 
     def test_numbers_of_ranks_may_change(self):
-        """Impulses of this pack are not unique: plain sweeps find the same ones on all numbers of ranks, momentum others within 1e-2."""
+        """Impulses of this pack are not unique: plain sweeps find the same ones on all numbers of ranks, momentum others within 1e-2.
+        Pushes end before they are solved as far as a step, and are left out."""
         deck = self.deck(PRESSED + DRIVES)
-        every = ["--set", "restart.every=30", "--set", "solver.method=nlgs"]
+        every = ["--set", "restart.every=30", "--set", "solver.method=nlgs", "--set", "time.recovery=0"]
         self.run_ranks(1, deck, *every, "--set", "time.steps=120", output="straight")
         split = GRAPH if self.has_library("METIS") else ["--set", "partition.boxes=[3, 1]"]
         for part, (ranks, words) in enumerate(((1, []), (3, split), (2, ["--set", 'partition.gluing="primal"']), (1, []))):

@@ -120,14 +120,14 @@ os.environ["GLIBC_TUNABLES"] = "glibc.malloc.tcache_count=0"
 # Memory outside of all tables: that of the program itself and its libraries at rest, and what polyhedra lose to being many.
 AT_REST = 350_000
 PER_POLYHEDRON = 8 * 24
-# HDF5 holds memory of its own once it has written a checkpoint.
-NO_CHECKPOINT = ["--set", "restart.at_end=false"]
+# HDF5 holds memory of its own once it has written a checkpoint; and pushes are a test of their own.
+LEFT_OUT = ["--set", "restart.at_end=false", "--set", "time.recovery=0"]
 
 
 class Needs(ProgramCase):
     def needs(self, deck, *words):
         (self.place / "deck.toml").write_text(deck)
-        self.run_program("run", "deck.toml", "--quiet", "--force", "--needs", "--output", "out", *NO_CHECKPOINT, *words)
+        self.run_program("run", "deck.toml", "--quiet", "--force", "--needs", "--output", "out", *LEFT_OUT, *words)
         return json.loads((self.place / "out/needs.json").read_text())
 
     def test_each_scene_holds_what_it_needs_and_nothing_else(self):
@@ -172,7 +172,7 @@ class Needs(ProgramCase):
         environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
         environment.pop("TMPDIR", None)
         words = [self.launcher, "--oversubscribe", "-n", "2", self.program, "run", "deck.toml", "--quiet", "--force", "--needs",
-                 "--output", "two", *NO_CHECKPOINT, *words]  # fmt: skip
+                 "--output", "two", *LEFT_OUT, *words]  # fmt: skip
         done = subprocess.run(words, cwd=self.place, env=environment, capture_output=True, text=True, timeout=self.timeout)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads((self.place / "two/needs.json").read_text())
@@ -213,7 +213,7 @@ class Needs(ProgramCase):
 
     def test_outputs_that_nobody_asked_for_cost_nothing(self):
         """Nothing is opened, written, or asked of the system for them, however many steps there are."""
-        off = ["--set", "output.every=0", "--set", "output.record_every=0", "--set", "restart.every=0", *NO_CHECKPOINT]
+        off = ["--set", "output.every=0", "--set", "output.record_every=0", "--set", "restart.every=0", *LEFT_OUT]
         self.needs(in_plane("disk", 0.3), *off)
         files = sorted(path.name for path in (self.place / "out").iterdir())
         self.assertEqual(files, ["effective.toml", "needs.json", "numbers.tag", "run.json"])

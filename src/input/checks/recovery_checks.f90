@@ -1,4 +1,4 @@
-!> Overlap that is undone: refused where a law needs it (doc/theory/recovery.md).
+!> Overlap that is undone: not where a law needs it (doc/theory/recovery.md).
 module sg_recovery_checks
   use sg_blocks, only: deck_t
   use sg_error, only: diagnostics_t
@@ -11,19 +11,22 @@ module sg_recovery_checks
 
 contains
 
-  !> Refuse to undo overlap under laws that need it.
+  !> Leave overlap alone under laws that need it; a deck that asks to undo it there is refused.
   subroutine check_recovery(deck, scene, options, diagnostics)
     type(deck_t), intent(inout) :: deck !! checked deck
     type(scene_t), intent(in) :: scene !! scene with its laws
-    type(run_options_t), intent(in) :: options !! options read from the deck
+    type(run_options_t), intent(inout) :: options !! options read from the deck
     type(diagnostics_t), intent(inout) :: diagnostics !! mistakes found
-    integer :: i
+    integer :: i, b
 
     if (.not. options%recovery > 0 .or. .not. allocated(scene%laws)) return
+    b = deck%block_of('time')
     do i = 1, size(scene%laws)
       if (allows_pushes(scene%laws(i))) cycle
-      call deck%complain(diagnostics, 'overlap cannot be undone under the law "'//scene%laws(i)%name//'": it loads an elastic '// &
-                         'contact, or shapes are held together', deck%block_of('time'), 'recovery')
+      if (deck%is_given(b, 'recovery')) &
+        call deck%complain(diagnostics, 'overlap cannot be undone under the law "'//scene%laws(i)%name//'": it loads an '// &
+                           'elastic contact, or shapes are held together', b, 'recovery')
+      options%recovery = 0
       return
     end do
   end subroutine check_recovery

@@ -5,7 +5,7 @@ module sg_keys_run
   use sg_field_options, only: field_options_t, kernel_names
   use sg_kinds, only: wp
   use sg_methods, only: coupling_names, list_couplings, list_solvers, method_t, solver_names
-  use sg_run_options, only: criterion_names, energy_guards, run_options_t, split_names
+  use sg_run_options, only: criterion_names, default_recovery, energy_guards, run_options_t, split_names
   use sg_text, only: to_text
   use sg_words, only: choices_of, quoted_string, short_real, true_or_false
   implicit none
@@ -40,7 +40,7 @@ contains
                    'from substep to substep, each of which solves them.', default=to_text(default%substeps), least=1.0_wp)
     call table%add('recovery', value_real, 'Overlap of two shapes, over the smaller one, from which on bodies are pushed '// &
                    'apart at the end of a step, until 0.4 of it is left; 0 for never.', &
-                   default=short_real(default%recovery), least=0.0_wp, most=1.0_wp)
+                   default=short_real(default_recovery), least=0.0_wp, most=1.0_wp)
     call table%add('recovery_every', value_integer, 'Steps from one look for such overlap to the next.', &
                    default=to_text(default%recovery_every), least=1.0_wp)
   end subroutine add_time
