@@ -2,6 +2,7 @@
 module sg_compact
   use sg_compact_space, only: add_space_impulses, space_velocity
   use sg_kinds, only: wp, i4
+  use sg_prefetch, only: prefetch, run => run_of_records, runs_ahead
   use sg_problem, only: problem_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_compliance_n, arm_compliance_t, arm_frictional, arm_frictionless, &
                         arm_frictionless_bias, arm_frictionless_moment_a, arm_frictionless_moment_c, arm_gyration, arm_inverse_i, &
@@ -193,23 +194,26 @@ contains
     real(wp), intent(in) :: record(length, n), r(components, n)
     real(wp), intent(inout) :: body(body_length(arm_frictional), n_bodies)
     real(wp) :: x, y, across
-    integer :: k
+    integer :: k, first
 
-    do k = 1, n
-      if (abs(r(1, k)) <= 0 .and. abs(r(2, k)) <= 0) cycle
-      across = -record(normal_x, k)
-      x = r(2, k)*record(normal_y, k) + r(1, k)*record(normal_x, k)
-      y = r(2, k)*across + r(1, k)*record(normal_y, k)
-      associate (c => pair(1, k), a => pair(2, k))
-        body(velocity_x, c) = body(velocity_x, c) + body(arm_inverse_mx, c)*x
-        body(velocity_y, c) = body(velocity_y, c) + body(arm_inverse_my, c)*y
-        body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*(record(arm_moment_nc, k)*r(1, k) &
-                            + record(arm_moment_tc, k)*r(2, k))
-        body(velocity_x, a) = body(velocity_x, a) - body(arm_inverse_mx, a)*x
-        body(velocity_y, a) = body(velocity_y, a) - body(arm_inverse_my, a)*y
-        body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*(record(arm_moment_na, k)*r(1, k) &
-                            + record(arm_moment_ta, k)*r(2, k))
-      end associate
+    do first = 1, n, run
+      call prefetch(record(1, first), runs_ahead*run*length, run*length)
+      do k = first, min(n, first + run - 1)
+        if (abs(r(1, k)) <= 0 .and. abs(r(2, k)) <= 0) cycle
+        across = -record(normal_x, k)
+        x = r(2, k)*record(normal_y, k) + r(1, k)*record(normal_x, k)
+        y = r(2, k)*across + r(1, k)*record(normal_y, k)
+        associate (c => pair(1, k), a => pair(2, k))
+          body(velocity_x, c) = body(velocity_x, c) + body(arm_inverse_mx, c)*x
+          body(velocity_y, c) = body(velocity_y, c) + body(arm_inverse_my, c)*y
+          body(arm_spin, c) = body(arm_spin, c) + body(arm_inverse_i, c)*(record(arm_moment_nc, k)*r(1, k) &
+                              + record(arm_moment_tc, k)*r(2, k))
+          body(velocity_x, a) = body(velocity_x, a) - body(arm_inverse_mx, a)*x
+          body(velocity_y, a) = body(velocity_y, a) - body(arm_inverse_my, a)*y
+          body(arm_spin, a) = body(arm_spin, a) - body(arm_inverse_i, a)*(record(arm_moment_na, k)*r(1, k) &
+                              + record(arm_moment_ta, k)*r(2, k))
+        end associate
+      end do
     end do
   end subroutine add_arm_frictional
 end module sg_compact

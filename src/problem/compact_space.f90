@@ -1,6 +1,7 @@
 !> The mapping H on compact records in space: relative velocities at contacts, and impulses made felt by bodies.
 module sg_compact_space
   use sg_kinds, only: wp, i4
+  use sg_prefetch, only: prefetch, run => run_of_records, runs_ahead
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_frictional, ball_frictionless, ball_frictionless_bias, &
                         ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, ball_inverse_i, ball_inverse_m, ball_spin_x, &
@@ -130,31 +131,35 @@ contains
     real(wp), intent(in) :: record(record_length(solid_frictional), n), r(3, n)
     real(wp), intent(inout) :: body(body_length(solid_frictional), n_bodies)
     real(wp) :: x, y, z, turn_x, turn_y, turn_z
-    integer :: k, side, b, arm
+    integer :: k, first, length, side, b, arm
 
-    do k = 1, n
-      x = r(1, k)
-      y = r(2, k)
-      z = r(3, k)
-      if (.not. abs(x) + abs(y) + abs(z) > 0) cycle
-      do side = 1, 2
-        b = pair(side, k)
-        arm = merge(solid_arm_cx, solid_arm_ax, side == 1)
-        turn_x = record(arm + 1, k)*z - record(arm + 2, k)*y
-        turn_y = record(arm + 2, k)*x - record(arm, k)*z
-        turn_z = record(arm, k)*y - record(arm + 1, k)*x
-        body(velocity_x, b) = body(velocity_x, b) + body(solid_inverse_mx, b)*x
-        body(velocity_y, b) = body(velocity_y, b) + body(solid_inverse_my, b)*y
-        body(velocity_z, b) = body(velocity_z, b) + body(solid_inverse_mz, b)*z
-        body(solid_spin_x, b) = body(solid_spin_x, b) + (body(solid_inverse_xx, b)*turn_x + body(solid_inverse_xy, b)*turn_y &
-                                                         + body(solid_inverse_xz, b)*turn_z)
-        body(solid_spin_y, b) = body(solid_spin_y, b) + (body(solid_inverse_xy, b)*turn_x + body(solid_inverse_yy, b)*turn_y &
-                                                         + body(solid_inverse_yz, b)*turn_z)
-        body(solid_spin_z, b) = body(solid_spin_z, b) + (body(solid_inverse_xz, b)*turn_x + body(solid_inverse_yz, b)*turn_y &
-                                                         + body(solid_inverse_zz, b)*turn_z)
-        x = -x
-        y = -y
-        z = -z
+    length = size(record, 1)
+    do first = 1, n, run
+      call prefetch(record(1, first), runs_ahead*run*length, run*length)
+      do k = first, min(n, first + run - 1)
+        x = r(1, k)
+        y = r(2, k)
+        z = r(3, k)
+        if (.not. abs(x) + abs(y) + abs(z) > 0) cycle
+        do side = 1, 2
+          b = pair(side, k)
+          arm = merge(solid_arm_cx, solid_arm_ax, side == 1)
+          turn_x = record(arm + 1, k)*z - record(arm + 2, k)*y
+          turn_y = record(arm + 2, k)*x - record(arm, k)*z
+          turn_z = record(arm, k)*y - record(arm + 1, k)*x
+          body(velocity_x, b) = body(velocity_x, b) + body(solid_inverse_mx, b)*x
+          body(velocity_y, b) = body(velocity_y, b) + body(solid_inverse_my, b)*y
+          body(velocity_z, b) = body(velocity_z, b) + body(solid_inverse_mz, b)*z
+          body(solid_spin_x, b) = body(solid_spin_x, b) + (body(solid_inverse_xx, b)*turn_x + body(solid_inverse_xy, b)*turn_y &
+                                                           + body(solid_inverse_xz, b)*turn_z)
+          body(solid_spin_y, b) = body(solid_spin_y, b) + (body(solid_inverse_xy, b)*turn_x + body(solid_inverse_yy, b)*turn_y &
+                                                           + body(solid_inverse_yz, b)*turn_z)
+          body(solid_spin_z, b) = body(solid_spin_z, b) + (body(solid_inverse_xz, b)*turn_x + body(solid_inverse_yz, b)*turn_y &
+                                                           + body(solid_inverse_zz, b)*turn_z)
+          x = -x
+          y = -y
+          z = -z
+        end do
       end do
     end do
   end subroutine push_solids
