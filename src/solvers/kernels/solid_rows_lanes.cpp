@@ -19,11 +19,12 @@ inline vec largest_of(const vec &x, const vec &y, const vec &z) { return larger(
 }    // namespace
 
 // Put up to eight contacts side by side; contacts count from one, and so many are left in their list. A contact that takes no part,
-// and a lane to spare, has no direction, and S = 1. Has a law compliance, or a bias along tangents? Then the flag is set.
+// and a lane to spare, has no direction, and S = 1. Bit 0 of the flags is set where a law has compliance, or a bias along tangents,
+// bit 1 where a contact takes no part or has cohesion.
 extern "C" void sg_put_solid_row(int left, int n, const int *contact, const double *record, const double *impulse, double *row,
-                                int *is_special) {
+                                int *flags) {
   const vec none = {}, one = none + 1.0, place = {1, 2, 3, 4};
-  mask special = {};
+  mask special = {}, uncommon = {};
   ask_records<record::length>(contact, left, record);
   for (int h = 0; h < halves; ++h, row += width) {
     const double *own[width];
@@ -62,7 +63,9 @@ extern "C" void sg_put_solid_row(int left, int n, const int *contact, const doub
     put(law > none + least_linear ? none - 1.0 : v[record::friction], none, row_friction);
     const vec oblique = largest_of(x[1] * b[2] - x[2] * b[1], x[2] * b[0] - x[0] * b[2], x[0] * b[1] - x[1] * b[0]);
     const mask yields = larger(size_of(last[0]), size_of(last[1])) > none;
+    uncommon |= is_used & (~takes_part | (cohesion != none));
     special |= is_used & ((oblique > rounding * largest_of(b[0], b[1], b[2])) | yields);
   }
-  if (special[0] | special[1] | special[2] | special[3]) *is_special = 1;
+  if (special[0] | special[1] | special[2] | special[3]) *flags |= 1;
+  if (uncommon[0] | uncommon[1] | uncommon[2] | uncommon[3]) *flags |= 2;
 }

@@ -3,7 +3,7 @@
 !! The contacts of a block are cut into *chains*, runs of up to four contacts of one pair. A group is up to `lanes` chains in
 !! which no movable body appears twice; its rows are their first, second, ... contacts (doc/theory/nlgs.md).
 module sg_sweep_solid_order
-  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t
   use sg_kinds, only: wp, i4, i8
   use sg_problem, only: problem_t
   use sg_records, only: first_inverse, least_active, least_linear, normal_x, normal_z, record_length, solid_arm_az, solid_bias_x, &
@@ -33,15 +33,13 @@ module sg_sweep_solid_order
   integer, parameter :: row_length = row_friction, special_length = special_compliance_t
   !> Reals of the impulses of a row, which come first
   integer, parameter :: impulses_of_row = lanes*row_impulse_2
-  !> Contacts of a chain and chains of a block, at most
-  integer, parameter :: most_points = 4, block_chains = 256
-  !> Groups that a block may open (bits of an integer)
-  integer, parameter :: most_groups = 63
 
   !> Contacts side by side in the order of the sweep
   type :: solid_lanes_t
     !> Number of groups and of rows
     integer :: n_groups = 0, n_rows = 0
+    !> Do all contacts take part, without cohesion? Then their impulses follow from the rows alone
+    logical :: are_plain = .false.
     !> Last row of each group, and contacts of each row
     integer(i4), allocatable :: last_row(:), row_size(:)
     !> Slots of candidate and antagonist, shape (lanes, 2, groups)
@@ -54,15 +52,32 @@ module sg_sweep_solid_order
 
   interface
     !> Put up to eight contacts side by side (solid_rows_lanes.cpp).
-    pure subroutine put_row(left, n, contact, record, impulse, row, is_special) bind(c, name='sg_put_solid_row')
+    pure subroutine put_row(left, n, contact, record, impulse, row, flags) bind(c, name='sg_put_solid_row')
       import :: c_double, c_int
       integer(c_int), intent(in), value :: left !! contacts that are left in the list
       integer(c_int), intent(in), value :: n !! contacts of the row
       integer(c_int), intent(in) :: contact(*) !! which ones
       real(c_double), intent(in) :: record(*), impulse(*)
       real(c_double), intent(inout) :: row(*) !! the row, shape (lanes, row_length)
-      integer(c_int), intent(inout) :: is_special !! 1 where a law is out of the ordinary, else as it was
+      integer(c_int), intent(inout) :: flags !! bit 0 is set by a law out of the ordinary, bit 1 by cohesion, or no part taken
     end subroutine put_row
+
+    !> Deal the first block of contacts to rows of new groups (group_dealing.cpp).
+    pure subroutine deal_block(n, chosen, length, inverse, pair, body, groups_of, contact, n_groups, n_rows, last_row, row_size, &
+                               done) bind(c, name='sg_deal_chains')
+      import :: c_double, c_int, c_int64_t
+      integer(c_int), intent(in), value :: n !! contacts that are left
+      integer(c_int), intent(in) :: chosen(*) !! which ones
+      integer(c_int), intent(in), value :: length !! reals of a body
+      integer(c_int), intent(in), value :: inverse !! place of its first inverse mass
+      integer(c_int), intent(in) :: pair(*) !! slots of all contacts
+      real(c_double), intent(in) :: body(*) !! records of bodies
+      integer(c_int64_t), intent(inout) :: groups_of(*) !! room, by slot; zero before and after
+      integer(c_int), intent(inout) :: contact(*) !! contacts of the block, row by row
+      integer(c_int), intent(inout) :: n_groups, n_rows !! groups and rows, which grow
+      integer(c_int), intent(inout) :: last_row(*), row_size(*) !! last row of each group, and contacts of each row
+      integer(c_int), intent(inout) :: done !! contacts dealt, which grow by those of the block
+    end subroutine deal_block
   end interface
 
 contains
@@ -84,103 +99,18 @@ contains
   pure subroutine deal_chains(chosen, problem, groups_of, contact, rows)
     integer(i4), intent(in), contiguous :: chosen(:) !! contacts to deal, in spatial order
     type(problem_t), intent(in) :: problem !! problem to sweep
-    integer(i8), intent(inout) :: groups_of(:) !! room, by slot; zero before and after
+    integer(i8), intent(inout), contiguous :: groups_of(:) !! room, by slot; zero before and after
     integer(i4), intent(inout), contiguous :: contact(:) !! the same contacts, row by row
     type(solid_lanes_t), intent(inout) :: rows !! begun rows, which grow; impulses and records come later
-    integer :: head(block_chains + 1), n, done
+    integer :: done
 
     done = 0
     do while (done < size(chosen))
-      call cut_block(chosen, problem%pair, done + 1, head, n)
-      call deal_block(chosen, problem, head(:n + 1), groups_of, contact, done, rows)
+      call deal_block(size(chosen) - done, chosen(done + 1:), size(problem%body, 1), first_inverse(solid_frictional), &
+                      problem%pair, problem%body, groups_of, contact(done + 1:), rows%n_groups, rows%n_rows, rows%last_row, &
+                      rows%row_size, done)
     end do
   end subroutine deal_chains
-
-  !> Chains of the next block: where each begins, and the one after the last would.
-  pure subroutine cut_block(chosen, pair, first, head, n)
-    integer(i4), intent(in), contiguous :: chosen(:), pair(:, :)
-    integer, intent(in) :: first
-    integer, intent(out) :: head(block_chains + 1), n
-    integer :: i
-
-    n = 1
-    head(1) = first
-    do i = first + 1, size(chosen)
-      if (all(pair(:, chosen(i)) == pair(:, chosen(i - 1))) .and. i - head(n) < most_points) cycle
-      if (n == block_chains) exit
-      n = n + 1
-      head(n) = i
-    end do
-    head(n + 1) = i
-  end subroutine cut_block
-
-  !> Deal one block, long chains first, so that the rows of a group are filled from their beginning.
-  pure subroutine deal_block(chosen, problem, head, groups_of, contact, done, rows)
-    integer(i4), intent(in), contiguous :: chosen(:)
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: head(:)
-    integer(i8), intent(inout) :: groups_of(:) !! bit g: the body is in group g of this block
-    integer(i4), intent(inout), contiguous :: contact(:)
-    integer, intent(inout) :: done !! contacts dealt so far
-    type(solid_lanes_t), intent(inout) :: rows
-    integer :: chain(lanes, 0:most_groups - 1), filled(0:most_groups - 1), points, c, g, side
-    integer(i8) :: full
-    integer(i4) :: pair(2)
-
-    full = 0
-    filled = 0
-    do points = most_points, 1, -1
-      do c = 1, size(head) - 1
-        if (head(c + 1) - head(c) /= points) cycle
-        pair = problem%pair(:, chosen(head(c)))
-        g = trailz(not(ior(full, ior(groups_of(pair(1)), groups_of(pair(2))))))
-        if (g >= most_groups) then
-          ! No group is left for it: one of its own.
-          call write_rows(chosen, head, [c], contact, done, rows)
-          cycle
-        end if
-        filled(g) = filled(g) + 1
-        chain(filled(g), g) = c
-        if (filled(g) == lanes) full = ibset(full, g)
-        do side = 1, 2
-          if (any(problem%body(first_inverse(solid_frictional):, pair(side)) > 0)) then
-            groups_of(pair(side)) = ibset(groups_of(pair(side)), g)
-          end if
-        end do
-      end do
-    end do
-    do g = 0, most_groups - 1
-      if (filled(g) > 0) call write_rows(chosen, head, chain(:filled(g), g), contact, done, rows)
-    end do
-    do c = 1, size(head) - 1
-      groups_of(problem%pair(1, chosen(head(c)))) = 0
-      groups_of(problem%pair(2, chosen(head(c)))) = 0
-    end do
-  end subroutine deal_block
-
-  !> Write the rows of a group; its longest chain is the first.
-  pure subroutine write_rows(chosen, head, chain, contact, done, rows)
-    integer(i4), intent(in), contiguous :: chosen(:)
-    integer, intent(in) :: head(:), chain(:)
-    integer(i4), intent(inout), contiguous :: contact(:)
-    integer, intent(inout) :: done
-    type(solid_lanes_t), intent(inout) :: rows
-    integer :: point, i, n
-
-    do point = 1, head(chain(1) + 1) - head(chain(1))
-      n = 0
-      do i = 1, size(chain)
-        if (head(chain(i)) + point > head(chain(i) + 1)) exit
-        n = n + 1
-        contact(done + n) = chosen(head(chain(i)) + point - 1)
-      end do
-      done = done + n
-      rows%n_rows = rows%n_rows + 1
-      rows%row_size(rows%n_rows) = int(n, i4)
-    end do
-    rows%n_groups = rows%n_groups + 1
-    rows%last_row(rows%n_groups) = int(rows%n_rows, i4)
-  end subroutine write_rows
 
   !> Put slots, impulses and records side by side, from a first group on. Those before it stay, which takes room behind them.
   pure subroutine fill_rows(problem, contact, rows, first_group, is_done)
@@ -222,9 +152,9 @@ contains
     logical, intent(in) :: with_special !! is there room for laws out of the ordinary?
     logical, intent(out) :: is_special !! is there such a law?
     integer :: g, row, i, e, first
-    integer(c_int) :: flag
+    integer(c_int) :: flags
 
-    flag = 0
+    flags = 0
     first = first_row
     e = before
     do g = first_group, rows%n_groups
@@ -233,7 +163,7 @@ contains
       end do
       do row = first, rows%last_row(g)
         call put_row(int(size(contact) - e, c_int), rows%row_size(row), contact(e + 1:), problem%record, problem%impulse, &
-                     rows%row(1, 1, row), flag)
+                     rows%row(1, 1, row), flags)
         do i = 1, merge(lanes, 0, with_special)
           rows%special(i, :, row) = 0
           if (i <= rows%row_size(row)) rows%special(i, :, row) = special_of(problem%record(:, contact(e + i)))
@@ -242,7 +172,8 @@ contains
       end do
       first = rows%last_row(g) + 1
     end do
-    is_special = flag > 0
+    is_special = btest(flags, 0)
+    rows%are_plain = (rows%are_plain .or. first_group == 1) .and. .not. btest(flags, 1)
   end subroutine put_side_by_side
 
   !> Has a contact a law out of the ordinary?
@@ -363,12 +294,41 @@ contains
 
     e = 0
     do row = 1, rows%n_rows
+      if (rows%are_plain) then
+        call give_row(rows%row_size(row), contact(e + 1:), rows%row(1, 1, row), problem%impulse)
+        e = e + rows%row_size(row)
+        cycle
+      end if
       do i = 1, rows%row_size(row)
         e = e + 1
         call give_lane(problem%record(:, contact(e)), i, rows%row(:, :, row), problem%impulse(:, contact(e)))
       end do
     end do
   end subroutine give_rows
+
+  !> Impulses of a row of contacts that take part, without cohesion.
+  pure subroutine give_row(n, contact, row, impulse)
+    integer, intent(in) :: n
+    integer(i4), intent(in) :: contact(n)
+    real(wp), intent(in) :: row(lanes, row_length)
+    real(wp), intent(inout) :: impulse(3, *)
+    real(wp) :: own(lanes, 3)
+    integer :: i
+
+    do i = 1, lanes
+      own(i, 1) = row(i, row_impulse_n)*row(i, row_normal_x) + row(i, row_impulse_1)*row(i, row_tangent_x) &
+                  + row(i, row_impulse_2)*(row(i, row_normal_y)*row(i, row_tangent_z) - row(i, row_normal_z)*row(i, row_tangent_y))
+      own(i, 2) = row(i, row_impulse_n)*row(i, row_normal_y) + row(i, row_impulse_1)*row(i, row_tangent_y) &
+                  + row(i, row_impulse_2)*(row(i, row_normal_z)*row(i, row_tangent_x) - row(i, row_normal_x)*row(i, row_tangent_z))
+      own(i, 3) = row(i, row_impulse_n)*row(i, row_normal_z) + row(i, row_impulse_1)*row(i, row_tangent_z) &
+                  + row(i, row_impulse_2)*(row(i, row_normal_x)*row(i, row_tangent_y) - row(i, row_normal_y)*row(i, row_tangent_x))
+    end do
+    do i = 1, n
+      impulse(1, contact(i)) = own(i, 1)
+      impulse(2, contact(i)) = own(i, 2)
+      impulse(3, contact(i)) = own(i, 3)
+    end do
+  end subroutine give_row
 
   !> Impulse of a lane, by the axes of the lane: those of the record may have been others when it was filled (divided masses).
   pure subroutine give_lane(record, i, row, impulse)
