@@ -25,6 +25,19 @@ struct movable {
   }
 };
 
+// Contacts of each group, digit by digit: a bit of a number for each group. So counting takes no memory and no branch.
+struct counts_of_groups {
+  bits ones = 0, twos = 0, fours = 0;
+
+  // Count one more in a group below its width, which is four or eight; the group if that fills it.
+  bits add(bits group, int width) {
+    const bits by_two = ones & group, by_four = twos & by_two, by_eight = fours & by_four;
+    ones ^= group, twos ^= by_two, fours ^= by_four;
+    return width == 4 ? by_four : by_eight;
+  }
+  int of(int g) const { return (ones >> g & 1) + 2 * (twos >> g & 1) + 4 * (fours >> g & 1); }
+};
+
 // Chains of a block of contacts: where each begins, and the end of the last one; the same by length, long ones first.
 struct chains {
   int n = 0, head[block_chains + 1], by_length[block_chains];
@@ -72,26 +85,30 @@ extern "C" void sg_deal_block(int n, const int *chosen, int length, int inverse,
                              std::int64_t *groups_of, int *group, int *filled, int *top) {
   bits *const of = reinterpret_cast<bits *>(groups_of) - 1;
   const movable moves(length, inverse, body);
+  const bits last = bits{1} << most_groups;
+  counts_of_groups counts;
   bits full = 0, used = 1;
-  for (int g = 0; g <= most_groups; ++g) filled[g] = 0;
+  int in_last = 0;
   for (int i = 0; i < n; ++i) {
     const int *const own = pair + 2L * (chosen[i] - 1);
     const long c = own[0], a = own[1];
-    const bits last = bits{1} << most_groups, open = ~(full | of[c] | of[a]) | last, bit = open & (~open + 1);
-    const int g = __builtin_ctzll(open);
-    group[i] = g;
+    const bits open = ~(full | of[c] | of[a]) | last, bit = open & (~open + 1);
+    group[i] = __builtin_ctzll(open);
     used |= bit;
-    const bool is_full = ++filled[g] == width;
-    if (bit == last) continue;
-    if (is_full) full |= bit;
+    if (bit == last) {
+      ++in_last;
+      continue;
+    }
+    full |= counts.add(bit, width);
     if (moves(c)) of[c] |= bit;
     if (moves(a)) of[a] |= bit;
   }
+  *top = most_groups - __builtin_clzll(used);
+  for (int g = 0; g <= *top; ++g) filled[g] = g == most_groups ? in_last : full >> g & 1 ? width : counts.of(g);
   for (int i = 0; i < n; ++i) {
     const int *const own = pair + 2L * (chosen[i] - 1);
     of[own[0]] = 0, of[own[1]] = 0;
   }
-  *top = most_groups - __builtin_clzll(used);
 }
 
 // Deal the first block of the chosen contacts to rows of new groups, chain by chain, long ones first, so that the rows of a group are
