@@ -20,7 +20,7 @@ module sg_run_options
   character(len=9), parameter :: criterion_names(8) = &
     [character(len=9) :: 'e1', 'e2', 'e8', 'violation', 'quad', 'maxm', 'qm16', 'estimate']
 
-  !> Overlap over the smaller shape from which on it is undone, of decks that do not say otherwise (doc/theory/recovery.md)
+  !> Overlap over the smaller shape from which on it is undone, of decks without another one (doc/theory/recovery.md)
   real(wp), parameter, public :: default_recovery = 1e-4_wp
 
   !> How grains are split over ranks
