@@ -479,6 +479,21 @@ def test_nothing_of_a_figure_is_cut_off():
         assert is_cut_off(figures[0])
 
 
+@pytest.mark.parametrize("low, high", [(0.27, 0.38), (1.01, 1.2), (0.3, 3), (4e-3, 7e-3), (1, 1e5)])
+def test_axes_of_work_have_numbers(low, high):
+    """At least two ticks within an axis of work have numbers, however little of a decade it spans."""
+    study = read_study(DECKS / "studies" / "time_steps.toml")
+    curves = {study.variants[0].name: [(low, 0.1, True), (high, 0.01, True)]}
+    with styled():
+        figure = work_precision(study, study.cases[0], curves, "cpu_seconds", "error [-]", "a title")
+        figure.draw_without_rendering()
+        axis = figure.axes[0].xaxis
+        ends = figure.axes[0].get_xlim()
+        labelled = [tick for minor in (False, True) for tick in (axis.get_minor_ticks() if minor else axis.get_major_ticks())
+                    if tick.label1.get_text() and ends[0] <= tick.get_loc() <= ends[1]]  # fmt: skip
+        assert len(labelled) >= 2
+
+
 def test_lines_of_a_figure_are_series_of_the_page():
     study = read_study(DECKS / "studies" / "time_steps.toml")
     curves = {variant.name: [(1e-3, 1e-2), (1e-2, 1e-1)] for variant in study.variants}

@@ -4,7 +4,7 @@ from textwrap import fill
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
 from ..style import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, new_figure, say_nothing_there
 from .measures import messages_of
@@ -169,7 +169,12 @@ def _finish(ax, drawn, x_label, y_label, title, scale="both", legend=None):
     if scale == "both":
         ax.set_yscale("log")
     low, high = ax.get_xlim()
-    if high / low < 300:
+    if high / low < 3:
+        # Neither a power of ten nor two or five times one need lie on so short an axis.
+        ax.xaxis.set_major_locator(MaxNLocator(4))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        ax.xaxis.set_minor_locator(NullLocator())
+    elif high / low < 300:
         # Within two decades powers of ten alone would leave the axis without a number.
         ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
         ax.xaxis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}" if f"{x:e}"[0] in "25" else ""))
