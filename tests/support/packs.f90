@@ -113,6 +113,8 @@ contains
     sim%options%solver%criterion = criterion_e8
     sim%options%solver%tolerance = tolerance
     sim%options%solver%maximum_sweeps = 20000
+    ! Pushes end before they are solved as far as a step: a test that wants them asks for them.
+    sim%options%recovery = 0
     call start_simulation(sim)
   end subroutine start_pack
 

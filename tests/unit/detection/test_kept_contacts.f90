@@ -349,8 +349,6 @@ contains
     if (index(deck, scene) == 1) deck = deck(len(scene) + 1:)
     deck = scene//'kept_motion = 1e-3'//new_line('a')//deck
     call start_pack(t, comm, name, deck, 1e-4_wp, sim)
-    ! Packs that are pushed go other ways, with a step that takes more sweeps than it may.
-    sim%options%recovery = 0
     sim%comm = comm
     call decompose(sim, error)
     call t%check(.not. allocated(error), name//': is split')
