@@ -99,8 +99,8 @@ class Recovery(ProgramCase):
         self.assertEqual(self.rows("straight"), self.rows("parts"))
 
     def test_subdomains(self):
-        """On one subdomain and on several little is left of the overlap of loose solves (measured: a thousandth), what has settled rests,
-        the balance of energy closes, and the log reports the pushes."""
+        """On one subdomain and on several little is left of the overlap of loose solves (measured on one: a two-hundredth), what has
+        settled rests, the balance of energy closes, and the log reports the pushes."""
         for parts in (1, 2, 5):
             with self.subTest(parts=parts):
                 words = [*LOOSE, "--set", f"partition.parts={parts}", "--set", "time.steps=300"]
@@ -152,7 +152,7 @@ class Recovery(ProgramCase):
         self.assertEqual(self.rows("silent"), self.rows("on"))
         self.assertNotIn("recoveries", self.run_json("off"))
         self.assertGreater(self.run_json("on")["recoveries"], 2)
-        # Measured: a thousandth.
+        # Measured: a ten-thousandth.
         self.assertLess(self.run_json("on")["volume_error"], 0.1 * self.run_json("off")["volume_error"])
         self.run_deck(ELASTIC, "elastic", *words)
         self.assertNotIn("recoveries", self.run_json("elastic"))

@@ -150,17 +150,7 @@ contains
     real(wp) :: share(2), turned(2)
     integer :: component
 
-    if (dimension == 2) then
-      call begin_scene(sim%scene, 3, friction, 0.01_wp)
-      call put_wall(sim%scene, 3, 1.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
-      call put_disk(sim%scene, 1, small, [-(small - deep/2), small])
-      call put_disk(sim%scene, 2, small, [small - deep/2, small])
-    else
-      call begin_space_scene(sim%scene, 3, friction, 0.01_wp)
-      call put_plane(sim%scene, 3, [1.0_wp, 1.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
-      call put_sphere(sim%scene, 1, small, [-(small - deep/2), 0.0_wp, small])
-      call put_sphere(sim%scene, 2, small, [small - deep/2, 0.0_wp, small])
-    end if
+    call put_two_on_floor(dimension, friction, small - deep/2, sim%scene)
     if (is_held) then
       do component = dimension + 1, sim%scene%bodies%n_velocity
         call drive(sim%scene, 2, component, time_function_t())
@@ -180,14 +170,41 @@ contains
       call t%check(.not. sim%scene%bodies%has_orientation, 'nothing turns where nothing rubs')
       return
     end if
-    if (dimension == 2) then
-      turned = -sim%scene%bodies%angle(:2)
-    else
-      turned = 2*asin(sim%scene%bodies%orientation(3, :2))
-    end if
+    turned = rolled(sim%scene)
     call t%near(turned(1), -share(1)*way/small, unsolved/small, 'the first one rolls where it sticks')
     call t%near(turned(2), share(2)*way/small, unsolved/small, 'and so does the second one')
   end subroutine test_rolling
+
+  !> Two small grains that touch a floor, at -x and x.
+  subroutine put_two_on_floor(dimension, friction, x, scene)
+    integer, intent(in) :: dimension
+    real(wp), intent(in) :: friction, x
+    type(scene_t), intent(out) :: scene
+
+    if (dimension == 2) then
+      call begin_scene(scene, 3, friction, 0.01_wp)
+      call put_wall(scene, 3, 1.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
+      call put_disk(scene, 1, small, [-x, small])
+      call put_disk(scene, 2, small, [x, small])
+    else
+      call begin_space_scene(scene, 3, friction, 0.01_wp)
+      call put_plane(scene, 3, [1.0_wp, 1.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
+      call put_sphere(scene, 1, small, [-x, 0.0_wp, small])
+      call put_sphere(scene, 2, small, [x, 0.0_wp, small])
+    end if
+  end subroutine put_two_on_floor
+
+  !> Angles by which the two have turned, positive where they roll along x [rad].
+  function rolled(scene)
+    type(scene_t), intent(in) :: scene
+    real(wp) :: rolled(2)
+
+    if (scene%dimension == 2) then
+      rolled = -scene%bodies%angle(:2)
+    else
+      rolled = 2*asin(scene%bodies%orientation(3, :2))
+    end if
+  end function rolled
 
   !> Packs that ten plain sweeps per step let sink into each other: a push lessens the overlap that it finds, copies of a
   !! body stay alike to the last bit, and the balance of energy is closed.

@@ -15,11 +15,11 @@ module sg_push_records
   !> Contact in the plane: normal, moments of n and of t = (n_y, -n_x) about both centres [m], gap and room [m], 1/W_nn and 1/W_tt
   !! [kg], W_tn [1/kg]; 1/W_tt is zero where it may slide
   integer, parameter, public :: plane_moment_nc = 3, plane_moment_na = 4, plane_moment_tc = 5, plane_moment_ta = 6, plane_gap = 7, &
-                        plane_room = 8, plane_inverse_wnn = 9, plane_inverse_wtt = 10, plane_wtn = 11
+                                plane_room = 8, plane_inverse_wnn = 9, plane_inverse_wtt = 10, plane_wtn = 11
   !> Contact in space: normal, arms from both centres [m], gap and room [m], 1/W_nn and one over the larger eigenvalue of W_tt [kg],
   !! and W_tn [1/kg], a vector
   integer, parameter, public :: space_arm_c = 4, space_arm_a = 7, space_gap = 10, space_room = 11, space_inverse_wnn = 12, &
-                        space_inverse_wtt = 13, space_wtn = 14
+                                space_inverse_wtt = 13, space_wtn = 14
   !> Reals of a record, and of that of a body: displacement and turn, inverse masses and inertia
   integer, parameter, public :: plane_record = plane_wtn, space_record = space_wtn + 2
   integer, parameter, public :: plane_body = body_length(arm_frictionless), space_body = body_length(solid_frictionless)
