@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Milliseconds per step by phase, of scenes at rest: time_phases.py PROGRAM [PROGRAM...] [DECK.toml...]
 
-Each deck, by default those of `input_decks/engines`, runs once by its own settings until its grains rest; that state stays in
+Each deck, by default those of `input_decks/engines`, runs once, without pushes, until its grains rest; that state stays in
 the folder of states. Every program then goes on from it, in turns, by steps of a fixed number of plain sweeps: a few of them,
 and some more, from which follow the cost of a sweep and the fixed cost of a solve in sweeps. Every step is recorded, so that
 `measure` is the cost of a recorded step; `step` leaves it out, as it leaves out the output. Of several rounds the one with the
@@ -18,6 +18,8 @@ from pathlib import Path
 
 DECKS = Path(__file__).resolve().parents[2] / "input_decks" / "engines"
 PHASES = ("predict", "detect", "assemble", "solve", "update")
+#: Settings of all runs: pushes would come and go with the overlap that sweeps leave
+ALWAYS = {"time.recovery": "0"}
 #: Settings of timed steps: plain sweeps, as many as asked for, between one test before and one after them
 TIMED = {"solver.method": '"nlgs"', "solver.tolerance": "1e-40", "output.record_every": "1", "restart.every": "0"}
 #: Steps before the first that counts, which look for neighbours again
@@ -51,7 +53,7 @@ def run(variant, deck, results, settings, *words):
 
 
 def settle(variant, deck, state, settings):
-    """The state of a deck at its end, by its own settings, made unless it is there."""
+    """The state of a deck at its end, made unless it is there."""
     summary = state / "run.json"
     if summary.exists() and json.loads(summary.read_text())["status"] == "done":
         return json.loads(summary.read_text())
@@ -119,7 +121,7 @@ def main():
     clock = "wall" if max(chosen.ranks + chosen.threads) > 1 else "cpu"
     variants = [Variant(program, chosen.launcher, ranks, threads, clock) for program in programs for ranks in chosen.ranks
                 for threads in chosen.threads]
-    settings = dict(text.split("=", 1) for text in chosen.set)
+    settings = ALWAYS | dict(text.split("=", 1) for text in chosen.set)
     columns = ["scene", "program", "contacts", "that carry", *PHASES, "step", "measure", "ms per sweep", "fixed, sweeps",
                "mean speed, m/s", "mean overlap / r", "floor share"]
     print("| " + " | ".join(columns) + " |\n" + "|---" * len(columns) + "|", flush=True)
