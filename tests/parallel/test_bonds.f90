@@ -1,6 +1,7 @@
 !> Grains held together by cohesive zones, which crack, on several ranks compared with the same run on one: the damage of every
 !! bond goes with its contact when grains are repartitioned, and the rounds of a step are those of all ranks.
 program test_bonds
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_both, corner, start_pack
   use sg_comm, only: comm_t
@@ -79,12 +80,14 @@ contains
   subroutine compare(comm, name, deck, gluing)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, deck, gluing
-    type(simulation_t) :: whole, part
+    type(simulation_t), pointer :: whole, part
     type(measures_t) :: of_whole
     type(measures_t), allocatable :: of_parts
     real(wp) :: worst
     integer :: i, b
 
+    whole => fresh()
+    part => fresh()
     call start_pack(t, comm, name, deck, 1e-9_wp, whole)
     whole%options%solver%maximum_sweeps = 3000
     call advance_both(t, comm, name, gluing, steps, whole, part, of_whole, of_parts)

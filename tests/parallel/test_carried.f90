@@ -6,6 +6,7 @@
 !! of the same numbers in the same order as in the tables, so all are the same to the last bit.
 program test_carried
   use carrying_methods, only: carrying_alone_t, carrying_dual_t
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, pack_deck, start_pack
   use sg_checkpoint, only: load_checkpoint, save_checkpoint
@@ -50,10 +51,11 @@ contains
   subroutine test_pack(comm, name)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(ledger_t) :: before, after
     integer :: step, n_bodies, moved
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
     call advance_pack(t, name, sim, 100)
     n_bodies = sim%scene%bodies%n
@@ -232,11 +234,12 @@ contains
     type(simulation_t), intent(inout) :: sim
     integer, intent(in) :: n_bodies
     type(ledger_t), intent(in) :: ledger
-    type(simulation_t) :: again, alone, other
+    type(simulation_t), pointer :: again, alone, other
     type(ledger_t) :: owned
     type(comm_t) :: single
     type(error_t), allocatable :: error
 
+    other => fresh()
     owned = at_owners(comm, ledger)
     call save(comm, name//'_all', sim)
     call go_on(comm, name, name//'_all', comm, n_bodies, owned, again)
@@ -263,11 +266,12 @@ contains
     type(comm_t), intent(in) :: ranks
     integer, intent(in) :: n_bodies
     type(ledger_t), intent(in) :: owned
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     type(ledger_t) :: before, after
     type(error_t), allocatable :: error
     integer :: last
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
     call carry_on(sim, ranks)
     call load(folder, sim, error)

@@ -5,6 +5,7 @@
 !! mass M_c and one free velocity, so that this is F_c = mean of all H r_c, less one's own. Shared bodies and sums over
 !! their copies are found by tables of the whole scene, apart from the lists of the solver. Run on any number of subdomains.
 program test_dual
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_comm, only: comm_t
@@ -56,10 +57,11 @@ contains
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     integer, intent(in) :: kind !! of problem
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     integer :: n_bodies
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
     call advance_pack(t, name, sim, 150)
     call t%equal(sim%problem%kind, kind, name//': kind of problem')

@@ -41,6 +41,7 @@ end module breaking_solver
 program test_dump_ranks
   use, intrinsic :: ieee_exceptions, only: ieee_get_halting_mode, ieee_invalid, ieee_set_flag, ieee_set_halting_mode
   use breaking_solver, only: breaking_solver_t
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use matrices, only: full
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
@@ -91,10 +92,12 @@ contains
     character(len=*), intent(in) :: pack
     real(wp), intent(in) :: cohesion !! given to all contacts [N s]
     real(wp), intent(in) :: compliance !! [1/kg]
-    type(simulation_t) :: whole, split
+    type(simulation_t), pointer :: whole, split
     type(comm_t) :: alone
     character(len=:), allocatable :: name
 
+    whole => fresh()
+    split => fresh()
     name = pack
     if (cohesion > 0) name = name//' that stick'
     if (compliance > 0) name = name//' and give way'
@@ -126,13 +129,15 @@ contains
   !> A velocity that breaks on one rank makes all of them dump the problem as it was before the solve.
   subroutine test_broken_step()
     character(len=*), parameter :: name = 'broken disks'
-    type(simulation_t) :: whole, split
+    type(simulation_t), pointer :: whole, split
     type(breaking_solver_t) :: breaking
     type(comm_t) :: alone
     type(error_t), allocatable :: error
     character(len=:), allocatable :: file
     logical :: halts
 
+    whole => fresh()
+    split => fresh()
     call start_pack(t, comm, name, pack_deck('disks'), 1e-3_wp, whole)
     call advance_pack(t, name, whole, 60)
     if (comm%rank == 0) call dump_next(name, 'one', whole, alone, 0.0_wp, 0.0_wp)

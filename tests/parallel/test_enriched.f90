@@ -2,6 +2,7 @@
 !! of all ranks, one update solves linear interactions exactly (doc/theory/enriched.md), and matrices are factorised after tests
 !! alone.
 program test_enriched
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_comm, only: comm_t
@@ -42,7 +43,7 @@ contains
   subroutine test_pack(comm, name)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem, solved
     type(subdomain_t) :: coupling
     type(enriched_t) :: enriched
@@ -50,6 +51,7 @@ contains
     character(len=9), parameter :: preconditioners(3) = [character(len=9) :: 'mass', 'lumped', 'dirichlet']
     integer :: i
 
+    sim => fresh()
     call split_pack(comm, name, pack_deck(name), 120, sim)
     if (comm%size == 1) return
     call next_problem(sim, problem)
@@ -197,7 +199,7 @@ contains
   subroutine test_linear(comm)
     type(comm_t), intent(inout) :: comm
     character(len=*), parameter :: law = 'friction = 0.0'
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem, solved
     type(subdomain_t) :: coupling
     type(enriched_t) :: enriched
@@ -206,6 +208,7 @@ contains
     character(len=:), allocatable :: deck
     integer :: at
 
+    sim => fresh()
     deck = pack_deck('frictionless disks')
     at = index(deck, law)
     deck = deck(:at - 1)//'kind = "LINEAR"'//new_line('a')//'epsilon = 0.6'//deck(at + len(law):)

@@ -4,6 +4,7 @@
 !! Dense packs carry their weight in many ways: of them measures must agree as closely as those of one rank that sweeps in other
 !! orders. Where forces are unique (frictionless round grains of many sizes) contacts agree one by one.
 program test_gluing
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, pack_deck, start_pack
   use sg_choose_solver, only: choose_solver
@@ -29,7 +30,7 @@ program test_gluing
     character(len=:), allocatable :: name
     !> Are its forces unique?
     logical :: is_unique = .false.
-    type(simulation_t) :: settled, whole
+    type(simulation_t), pointer :: settled => null(), whole => null()
     real(wp) :: spread(size(names)) = 0
   end type pack_t
 
@@ -54,8 +55,9 @@ contains
     allocate (pack)
     pack%name = name
     pack%is_unique = is_unique
+    pack%settled => fresh()
     call settle(name, pack%settled)
-    pack%whole = pack%settled
+    pack%whole => fresh(pack%settled)
     call advance_pack(t, name, pack%whole, together)
     call t%check(pack%whole%report%e8 <= pack%whole%options%solver%tolerance, name//': residual on one rank')
     call t%check(count(any(abs(pack%whole%contacts%impulse(:, :pack%whole%contacts%n)) > 0, 1)) > 30, name//' carry')
@@ -84,13 +86,13 @@ contains
     type(pack_t), intent(in) :: pack
     integer, parameter :: orders = 5
     real(wp) :: spread(size(names)), of_whole(size(names))
-    type(simulation_t) :: other
+    type(simulation_t), pointer :: other
     integer :: seed
 
     of_whole = measures_of(pack%whole)
     spread = 0
     do seed = 1, orders
-      other = pack%settled
+      other => fresh(pack%settled)
       other%options%solver%order = 'shuffled'
       other%options%solver%order_seed = seed
       call choose_solver(other%options%solver, other%solver)
@@ -117,7 +119,7 @@ contains
     type(comm_t), intent(in) :: comm
     type(pack_t), intent(in) :: pack
     character(len=*), intent(in) :: gluing, split
-    type(simulation_t) :: part
+    type(simulation_t), pointer :: part
     type(measures_t) :: of_whole, of_parts
     character(len=:), allocatable :: name
     ! e8 of 1e-6 leaves impulses some hundred times that from the solution on packs this size, which few steps let grow.
@@ -130,7 +132,7 @@ contains
     integer :: i
 
     name = pack%name//', '//gluing//', '//split
-    part = pack%settled
+    part => fresh(pack%settled)
     part%options%partition%gluing = gluing
     part%options%partition%split = split
     part%options%partition%every = 2

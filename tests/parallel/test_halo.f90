@@ -1,6 +1,7 @@
 !> Copies on ranks: all pairs that a search of the whole scene finds exist on exactly one rank, all copies of a body are one
 !! body to the last bit, and contacts with their impulses survive a new split. Run on any number of subdomains.
 program test_halo
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, pack_deck, pack_names, start_pack
   use sg_bodies, only: bodies_t
@@ -39,10 +40,11 @@ contains
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     integer, intent(inout) :: lists_kept !! lists of neighbours for which copies were kept
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(scene_t) :: whole
     type(error_t), allocatable :: error
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
     call advance_pack(t, name, sim, 60)
     call t%check(sim%contacts%n > 5, name//': contacts')

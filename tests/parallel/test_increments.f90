@@ -1,5 +1,6 @@
 !> Criteria that look at increments: several ranks find the value that one rank finds.
 program test_increments_ranks
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_choose_solver, only: choose_solver
@@ -45,13 +46,14 @@ contains
   subroutine test_pack(comm, name, gluing)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, gluing
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     type(report_t) :: report
     type(error_t), allocatable :: error
     real(wp) :: values(size(criteria))
     integer :: c
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
     call advance_pack(t, name, sim, 60)
     sim%comm = comm
@@ -79,7 +81,7 @@ contains
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     real(wp), intent(out) :: values(:)
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     type(increments_t) :: increments
     type(sweep_order_t) :: order
@@ -87,6 +89,7 @@ contains
     logical, allocatable :: is_wanted(:)
     integer :: c
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
     call advance_pack(t, name, sim, 60)
     call next_problem(sim, problem)

@@ -2,6 +2,7 @@
 !! copies to the last bit, and W_Gamma with H^T M^-1 H built column by column. Run on any number of subdomains; one rank has no
 !! interface, and there all contacts are the rows of W.
 program test_interface
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_comm, only: comm_t
@@ -59,10 +60,11 @@ contains
   subroutine test_pack(comm, name)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     integer :: n_bodies
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
     call advance_pack(t, name, sim, 120)
     n_bodies = sim%scene%bodies%n

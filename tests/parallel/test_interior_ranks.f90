@@ -1,6 +1,7 @@
 !> Interior points in packs on any number of ranks: without friction they solve the step, with friction they lead to an answer, and
 !> laws that are no cones are left to the rounds (doc/theory/interior_point.md, "Several ranks").
 program test_interior_ranks
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, next_problem, pack_deck, start_pack
   use same_bits, only: same
@@ -47,7 +48,7 @@ contains
     character(len=*), intent(in) :: name, deck
     real(wp), intent(in) :: tolerance
     logical, intent(in) :: is_convex
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem, solved, traced, swept
     type(subdomain_t) :: coupling
     type(interior_ranks_t) :: interior
@@ -56,6 +57,7 @@ contains
     real(wp) :: largest
     integer :: w, k
 
+    sim => fresh()
     call split_pack(comm, name, deck, 60, sim)
     if (comm%size == 1) return
     call next_problem(sim, problem)

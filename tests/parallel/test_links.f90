@@ -1,6 +1,7 @@
 !> Links on several ranks: a net with a stone in it, masses on wires across the whole scene, and a ring of rods about a period move
 !! as on one rank, whichever way they are glued and however often they are repartitioned.
 program test_links
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use link_scenes, only: begin_links, link, put_mass
   use packs, only: advance_pack
@@ -44,7 +45,7 @@ contains
     type(comm_t), intent(inout) :: comm
     integer, intent(in) :: dimension, kind
     character(len=*), intent(in) :: gluing
-    type(simulation_t) :: whole, part
+    type(simulation_t), pointer :: whole, part
     type(error_t), allocatable :: error
     character(len=:), allocatable :: name
     real(wp) :: miss
@@ -80,9 +81,10 @@ contains
   subroutine begin(dimension, kind, gluing, sim)
     integer, intent(in) :: dimension, kind
     character(len=*), intent(in) :: gluing
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     type(law_t) :: law
 
+    sim => fresh()
     law = law_t(kind=law_rod, axial_stiffness=2e3_wp, axial_damping=5.0_wp)
     if (kind == 2) law = law_t(kind=law_wire, axial_stiffness=2e3_wp, axial_damping=5.0_wp)
     if (kind == 3) law = law_t(kind=law_linear, epsilon=5.0_wp)

@@ -2,6 +2,7 @@
 program test_measures
   use cut_by_hand, only: cut_scene
   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_scene, drive, put_disk, put_polygon, put_wall
   use scenes_space, only: random_space_scene
@@ -57,11 +58,12 @@ contains
     real(wp), parameter :: square(2, 4) = &
                            0.04_wp*reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
     integer, parameter :: n = 48, lid = n + 1
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(random_t) :: random
     real(wp) :: place(2)
     integer :: b
 
+    sim => fresh()
     call random%seed(11 + nint(period))
     call begin_scene(sim%scene, n + 3, 0.4_wp, 0.02_wp)
     sim%scene%period = period
@@ -90,8 +92,9 @@ contains
   !> Shapes of all kinds that fly into one another through two periods.
   subroutine test_space(comm)
     type(comm_t), intent(inout) :: comm
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
+    sim => fresh()
     call random_space_scene(sim%scene, solid_frictional, law_restitution, [3.4_wp, 3.4_wp], 3.4_wp, 40)
     call follow(comm, sim, 1e-3_wp, 6, 'a scene in space')
   end subroutine test_space

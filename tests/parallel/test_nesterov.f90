@@ -3,6 +3,7 @@
 !! plain sweeps where momentum is not taken. Where nothing closes, none at all.
 !! Run on any number of subdomains.
 program test_nesterov
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, pack_names, start_pack
   use sg_choose_solver, only: choose_solver
@@ -53,7 +54,7 @@ contains
       'radius = [0.02, 0.02]'//nl
     character(len=*), parameter :: bullet = '[[body]]'//nl//'position = [-0.02, 0.22]'//nl//'velocity = [1.0, 0.0]'//nl// &
       '[[body.shape]]'//nl//'kind = "disk"'//nl//'radius = 0.02'//nl
-    type(simulation_t) :: falling, struck
+    type(simulation_t), pointer :: falling, struck
     type(problem_t) :: problem, solved
     type(error_t), allocatable :: error
     type(report_t) :: report
@@ -61,6 +62,8 @@ contains
     integer :: i, j
     real(wp) :: most
 
+    falling => fresh()
+    struck => fresh()
     call start_pack(t, comm, 'free fall', fall, tolerance, falling)
     call start_pack(t, comm, 'bullet', fall//bullet, tolerance, struck)
     falling%comm = comm
@@ -93,11 +96,12 @@ contains
     character(len=*), intent(in) :: name
     character(len=9), parameter :: orders(4) = [character(len=9) :: 'groups', 'natural', 'coloured', 'shuffled']
     character(len=8), parameter :: gluings(2) = [character(len=8) :: 'dual', 'primal']
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     type(error_t), allocatable :: error
     integer :: i
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-4_wp, sim)
     ! The problem is the same, whatever the sweeps by default.
     sim%options%solver%method = 'nlgs'

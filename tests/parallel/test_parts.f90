@@ -1,6 +1,7 @@
 !> Decks with several subdomains per rank: the same record, pictures and checkpoints, bit for bit, on one process and on as many
 !! ranks as this test runs on; also after a restart with other numbers of both.
 module subdomain_decks
+  use fresh_simulations, only: fresh
   use sg_blocks, only: deck_t
   use sg_comm, only: comm_t
   use sg_deck, only: read_share
@@ -31,12 +32,13 @@ contains
   subroutine run_deck(self, comm)
     class(deck_run_t), intent(inout) :: self
     type(comm_t), intent(in) :: comm
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(deck_t) :: deck
     type(diagnostics_t) :: diagnostics, shared
     type(error_t), allocatable :: error
     integer :: code
 
+    sim => fresh()
     sim%comm = comm
     call read_share(self%deck, self%settings, sim%comm, sim%scene, sim%options, deck, diagnostics)
     if (sim%comm%size > 1 .and. diagnostics%count() == 0) call check_shared_start(deck, sim%scene, sim%comm, shared)

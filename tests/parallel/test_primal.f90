@@ -1,6 +1,7 @@
 !> The primal method sweeps each part, and the contacts between parts, as often as asked: the table of the talk, 800 sweeps in
 !! the first part, 700 in the second, ... Run on any number of subdomains.
 program test_primal
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, pack_deck, start_pack
   use sg_advance, only: advance
@@ -35,11 +36,12 @@ contains
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     integer, intent(in) :: interface_sweeps
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     character(len=:), allocatable :: table
     integer :: r, gluings
 
+    sim => fresh()
     table = to_text(800)
     do r = 1, comm%size - 1
       table = table//', '//to_text(800 - 100*r)

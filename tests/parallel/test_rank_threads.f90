@@ -1,5 +1,6 @@
 !> Ranks whose sweeps are shared by threads: the same bits as with one thread a rank, however the parts are glued.
 program test_rank_threads
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use same_bits, only: same
   use sg_advance, only: advance
@@ -36,8 +37,10 @@ contains
   !> A run by one thread a rank, and by two.
   subroutine test_same(name, deck, gluing)
     character(len=*), intent(in) :: name, deck, gluing
-    type(simulation_t) :: one, two
+    type(simulation_t), pointer :: one, two
 
+    one => fresh()
+    two => fresh()
     call go(name//', '//gluing, deck, gluing, 1, one)
     call go(name//', '//gluing, deck, gluing, merge(2, 1, threads_are_available()), two)
     call t%check(one%all_contacts > 100, name//', '//gluing//': there are contacts')

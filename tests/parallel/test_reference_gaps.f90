@@ -1,6 +1,7 @@
 !> Reference gaps on several ranks: the first step with contacts is that of all ranks, so that a grain of a rank that has no contact
 !! then stops at the floor, as on one rank.
 program test_reference_gaps
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, start_pack
   use sg_comm, only: comm_t
@@ -44,11 +45,12 @@ contains
   !> The first grain stops at the edge of the alert distance, all others at the floor.
   subroutine compare(comm)
     type(comm_t), intent(inout) :: comm
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     integer :: b
     real(wp) :: worst, height
 
+    sim => fresh()
     call start_pack(t, comm, 'falling', falling(), 1e-12_wp, sim)
     if (comm%size > 1) then
       sim%options%partition%every = 20

@@ -2,6 +2,7 @@
 !! ones; any number of ranks reads them, each the rows of its bodies and a piece of the contacts, which go to their owners; an old
 !! file stays whole when a new one cannot be written.
 program test_restart
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use rank_parts, only: chain_of_contacts, draw_owners, plane_scene, shake, space_scene, take_part
   use sg_block_distribution, only: block_distribution_t, wanted_t
@@ -88,8 +89,9 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: dimension, n
     logical, intent(in) :: turns
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
 
+    sim => fresh()
     if (dimension == 2) call plane_scene(sim%scene, n)
     if (dimension == 3) call space_scene(sim%scene, n)
     sim%scene%bodies%inverse_mass = 1
@@ -117,7 +119,7 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: dimension, n, stride
     logical, intent(in) :: turns
-    type(simulation_t) :: whole, part
+    type(simulation_t), pointer :: whole, part
     type(random_t) :: random
     type(error_t), allocatable :: error
     integer(i4), allocatable :: owner(:)
@@ -142,7 +144,7 @@ contains
       call t%check(.not. allocated(error), 'one rank writes '//name)
     end if
     do serial = 1, 3
-      part = whole
+      part => fresh(whole)
       part%options%folder = name//'_all'
       part%comm = comm
       part%signature = signature
@@ -235,7 +237,7 @@ contains
     integer, intent(in) :: dimension, n
     logical, intent(in) :: turns
     type(simulation_t), intent(in) :: whole
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(diagnostics_t) :: warnings
     type(error_t), allocatable :: error
     real(wp) :: sums(3)
@@ -273,7 +275,7 @@ contains
     integer, intent(in) :: dimension, n
     logical, intent(in) :: turns
     type(simulation_t), intent(in) :: whole
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(scene_t) :: fresh
     type(contacts_t) :: none, own
     type(diagnostics_t) :: warnings
@@ -331,14 +333,14 @@ contains
 
   !> A contact that does not fit stands in the piece of one rank alone: all refuse the file.
   subroutine test_bad_piece()
-    type(simulation_t) :: whole, sim
+    type(simulation_t), pointer :: whole, sim
     type(random_t) :: random
     type(diagnostics_t) :: warnings
     type(error_t), allocatable :: error
 
     call t%check(make_folder('bad'), 'a folder')
     call begin('bad', 2, 57, .true., whole)
-    sim = whole
+    sim => fresh(whole)
     call random%seed(23)
     call chain_of_contacts(whole%scene, 1, random, whole%contacts)
     whole%contacts%law(whole%contacts%n) = 9
@@ -352,7 +354,7 @@ contains
 
   !> A folder that is not there, and a disk with little room where one is named in the environment.
   subroutine test_no_folder()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     character(len=200) :: folder
     integer :: length, i

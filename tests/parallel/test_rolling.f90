@@ -1,6 +1,7 @@
 !> Grains with moments that resist rolling and twisting on several ranks compared with the same run on one: moments go with their
 !! contacts when grains are repartitioned, and every coupling that takes them brings the same motion.
 program test_rolling
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_both, corner, start_pack
   use sg_comm, only: comm_t
@@ -83,11 +84,13 @@ contains
   subroutine compare(comm, name, deck, gluing)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name, deck, gluing
-    type(simulation_t) :: whole, part
+    type(simulation_t), pointer :: whole, part
     type(measures_t) :: of_whole
     type(measures_t), allocatable :: of_parts
     integer :: i
 
+    whole => fresh()
+    part => fresh()
     call start_pack(t, comm, name, deck, 1e-10_wp, whole)
     whole%options%solver%maximum_sweeps = 5000
     call advance_both(t, comm, name, gluing, steps, whole, part, of_whole, of_parts)

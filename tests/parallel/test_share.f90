@@ -1,6 +1,7 @@
 !> Shares of a deck's scene: each rank reads its own, about as many grains as its part is; together they are the whole scene, bit
 !! for bit, with the same defaults, plan, signature and mistakes as one rank finds. Run by any number of ranks.
 program test_share
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use same_bits, only: same, same_bodies
   use sg_advance, only: advance
@@ -177,12 +178,14 @@ contains
   !> Two steps of a scene that is read by shares, and of one that all ranks read whole.
   subroutine compare_steps(name, text)
     character(len=*), intent(in) :: name, text
-    type(simulation_t) :: by_shares, by_all
+    type(simulation_t), pointer :: by_shares, by_all
     type(diagnostics_t) :: diagnostics
     type(deck_t) :: deck
     type(text_t) :: none(0)
     character(len=:), allocatable :: file
 
+    by_shares => fresh()
+    by_all => fresh()
     if (comm%size == 1) return
     by_shares%comm = comm
     by_all%comm = comm

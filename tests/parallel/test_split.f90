@@ -2,6 +2,7 @@
 !! even parts, most of which stay where they are. Run on any number of subdomains.
 program test_split
   use cut_by_hand, only: cut_scene
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use sg_boxes, only: choose_boxes, split_boxes
   use sg_clusters, only: cluster_edges, clusters_t, make_clusters, split_clusters
@@ -298,7 +299,7 @@ contains
   subroutine test_deal(comm)
     type(comm_t), intent(inout) :: comm
     integer, parameter :: columns = 24, n = columns*10
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(scene_t) :: local
     type(contacts_t) :: contacts
     type(subdomain_t) :: subdomain
@@ -309,6 +310,7 @@ contains
     real(wp), allocatable :: load(:), position(:, :)
     integer :: i, counts(3)
 
+    sim => fresh()
     call begin_scene(sim%scene, n + 1, 0.3_wp, 0.05_wp)
     call put_wall(sim%scene, 1, 30.0_wp, 0.5_wp, [12.0_wp, -1.0_wp], 0.0_wp)
     do i = 1, n

@@ -6,6 +6,7 @@
 !! cos(d/2)/sinc(d/2), d = pi/27 (a linear programme over the thrusts of the joints, as the one for curved ones). The
 !! bracket asked is 2 %; 0.5 % is tried, too. Friction 0.8 is above the 0.395 that this thrust needs: nothing slides.
 program test_arch
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, hold, put_polygon, run
   use sg_kinds, only: wp, pi
@@ -29,9 +30,10 @@ contains
   !> How far the crown of an arch of mean radius 1 m sinks in 1.5 s [m].
   real(wp) function sag(thickness)
     real(wp), intent(in) :: thickness !! [m]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: height
 
+    sim => fresh()
     call build(sim, thickness)
     call begin_run(sim, step, 1e-6_wp)
     height = sim%scene%bodies%position(2, crown)

@@ -1,6 +1,7 @@
 !> Mohr-Coulomb bonds whose cohesions are stresses: what they hold is the stress times the surface of the contact, for every pair of
 !! shapes whose surface follows from their sizes; shear holds up to the tangential stress. The same with cohesions that are forces.
 program test_bond_stress
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, hold, put_disk, put_polygon, put_wall, run
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
@@ -30,9 +31,10 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: dimension
     logical, intent(in) :: is_stress !! else the same numbers are forces
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     real(wp), parameter :: square(2, 4) = half*reshape([-1.0_wp, -1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 1.0_wp], [2, 4])
 
+    sim => fresh()
     if (dimension == 2) call begin_scene(sim%scene, 2, 0.0_wp, 0.05_wp)
     if (dimension == 3) call begin_space_scene(sim%scene, 2, 0.0_wp, 0.05_wp)
     select case (name)
@@ -78,7 +80,7 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: dimension
     real(wp), intent(in), optional :: surface !! of the contact; absent where cohesions are forces
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: load, factor
     integer :: i, component
 

@@ -1,5 +1,6 @@
 !> Bonds at tilts of rounding size: they hold what they should, whichever edges and corners the detection names.
 program test_bonds
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use polyhedra, only: prism_polyhedron
   use scenes, only: begin_run, begin_scene, density, hold, put_polygon, run
@@ -30,12 +31,12 @@ contains
   subroutine test_segment()
     real(wp), parameter :: half = 0.5_wp, radius = 0.05_wp
     real(wp), parameter :: tilts(7) = [0.0_wp, 1e-16_wp, -1e-16_wp, 1e-13_wp, -1e-13_wp, 1e-9_wp, -1e-9_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i, j, step
 
     do i = 1, size(tilts)
       do j = 0, 1
-        sim = simulation_t()
+        sim => fresh()
         call begin_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
         call add_segment(sim%scene%contactors, 1, 1, half, radius, [0.0_wp, 0.0_wp], 0.0_wp)
         associate (bodies => sim%scene%bodies)
@@ -66,7 +67,7 @@ contains
   !> A hexagonal prism hangs by four of its six corners, and is rocked so that others are chosen: its bonds are handed on.
   subroutine test_prism(on_plane)
     logical, intent(in) :: on_plane
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(polyhedron_t) :: prism
     type(error_t), allocatable :: error
     type(random_t) :: random
@@ -79,7 +80,7 @@ contains
     do trial = 1, 6
       call prism_polyhedron(6, 0.5_wp, 0.3_wp, prism, error)
       if (allocated(error)) error stop 'a prism that is none'
-      sim = simulation_t()
+      sim => fresh()
       q = rotation_by([random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp), random%uniform(-1.0_wp, 1.0_wp)])
       up = turned_by(q, [0.0_wp, 0.0_wp, 1.0_wp])
       call begin_space_scene(sim%scene, 2, 0.3_wp, 0.01_wp)

@@ -3,6 +3,7 @@
 !!
 !! Grains are so heavy that nothing holds them up where a motion is imposed: what is compared is the traction at a jump.
 program test_cohesive_zones
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, density, put_disk, put_wall, run
   use scenes_space, only: begin_space_scene, put_plane, put_sphere
@@ -67,8 +68,9 @@ contains
     real(wp), intent(in) :: weight !! mass over that of the tests' density
     real(wp), intent(in) :: velocity(2) !! away from the wall and along it [m/s]
     real(wp), intent(in) :: gravity
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
 
+    sim => fresh()
     if (dimension == 2) then
       call begin_scene(sim%scene, 2, 0.3_wp, 0.3_wp)
       call put_disk(sim%scene, 1, radius, [0.0_wp, radius])
@@ -108,7 +110,7 @@ contains
   subroutine test_light(dimension)
     integer, intent(in) :: dimension
     real(wp), parameter :: speed(2) = [1.0_wp, 0.5_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
     call make(dimension, law_mal, 1e-26_wp, speed, 0.0_wp, sim)
     call run(sim, 5)
@@ -198,7 +200,7 @@ contains
   subroutine test_pull(dimension, kind, direction)
     integer, intent(in) :: dimension, kind
     real(wp), intent(in) :: direction(2)
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     character(len=:), allocatable :: name
     real(wp) :: jump(2), before, beta, share, worst, expected(2), energy(2), force(2), last(2)
     integer :: step
@@ -244,7 +246,7 @@ contains
     integer, intent(in) :: case !! 1: parted and sheared, 2: the same, free along the wall, 3: sheared and pressed into the wall
     real(wp), parameter :: speed = 0.05_wp
     character(len=*), parameter :: names(3) = ['driven               ', 'driven off the wall  ', 'driven into the wall ']
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     character(len=:), allocatable :: name
     real(wp) :: direction(2), opening, before, worst, rest
     integer :: step, unconverged, broken
@@ -284,7 +286,7 @@ contains
   !> Pressed on the wall by 100 N and drawn along: the bond, and friction on (1 - beta) of the load.
   subroutine test_sheared_under_load(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: weight, slip, before, beta, worst, force(2), load
     integer :: step, i
 
@@ -313,7 +315,7 @@ contains
   !! same one lets go of a grain that is too heavy.
   subroutine test_hung(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: mass
     integer :: i
 
@@ -351,7 +353,7 @@ contains
   !> The balance closes to rounding, whole and broken: work of bonds is what they store and what they lose.
   subroutine test_energy(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: step
     type(measures_t) :: measures
     real(wp) :: worst
@@ -370,7 +372,7 @@ contains
 
   !> A run continued from a checkpoint has the very same bond.
   subroutine test_restart()
-    type(simulation_t) :: straight, second
+    type(simulation_t), pointer :: straight, second
     type(error_t), allocatable :: error
     type(diagnostics_t) :: warnings
     integer :: dim

@@ -1,5 +1,6 @@
 !> A run that is stopped, written, read and continued is the straight run, bit for bit, with new lists of neighbours in between.
 program test_continuation
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use kept_states, only: check_same_state
   use scenes, only: begin_scene, drive, put_disk, put_polygon, put_wall, run
@@ -37,12 +38,15 @@ contains
     logical, intent(in) :: with_polygons
     real(wp), intent(in) :: period, friction
     integer, intent(in), optional :: kind !! of law; inelastic quasi-shock unless given
-    type(simulation_t) :: straight, first, second
+    type(simulation_t), pointer :: straight, first, second
     type(error_t), allocatable :: error
     type(diagnostics_t) :: warnings
     integer, parameter :: steps = 500
     integer :: i, split, builds
 
+    straight => fresh()
+    first => fresh()
+    second => fresh()
     call t%check(make_folder(folder), name//': the folder is there')
     call make(straight, with_polygons, period, friction, kind)
     call run(straight, steps)
@@ -65,8 +69,8 @@ contains
       call run(second, steps - split)
       call t%check(second%pairs%builds > 2, name//': lists were made again after the split')
       call check_same_state(t, straight, second, name)
-      first = simulation_t()
-      second = simulation_t()
+      first => fresh()
+      second => fresh()
     end do
   end subroutine test_scene
 

@@ -1,6 +1,7 @@
 !> Rounds in which the damage of a step settles: bonds that share a load settle instead of taking it from each other in turns, and
 !! where damage has not settled the report has the velocity by which the solution breaks the law.
 program test_damage_rounds
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: start_pack
   use scenes, only: begin_run, begin_scene, put_disk, put_wall, run
@@ -38,7 +39,7 @@ contains
   !! solved for, and that impulse, too large, moves the contact by itself times its block of W with the bond.
   subroutine test_overload(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: mass, surface, p(3), pull, opening, now, solved, excess, block
 
     call hang(dimension, sim)
@@ -65,8 +66,9 @@ contains
   !> A grain almost without inertia that touches a wall from above, bonded.
   subroutine hang(dimension, sim)
     integer, intent(in) :: dimension
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
 
+    sim => fresh()
     if (dimension == 2) then
       call begin_scene(sim%scene, 2, 0.3_wp, 0.3_wp)
       call put_disk(sim%scene, 1, radius, [0.0_wp, radius])
@@ -102,7 +104,7 @@ contains
     integer, intent(in) :: n, rows, columns
     logical, intent(in) :: has_dry !! are supports dry and a load on top? Else all contacts are bonded, those between supports too
     type(random_t) :: random
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     type(comm_t) :: comm
     integer :: i, step, unconverged, damaged
@@ -113,7 +115,7 @@ contains
     damaged = 0
     excess = 0
     do i = 1, n
-      sim = simulation_t()
+      sim => fresh()
       call start_pack(t, comm, 'wall '//to_text(i), wall_deck(random, rows, columns, has_dry), 2e-2_wp, sim)
       sim%options%solver%criterion = criterion_estimate
       call choose_solver(sim%options%solver, sim%solver)

@@ -3,6 +3,7 @@
 !! Grains fall into a shaken box: disks alone (lever arms along normals), and disks with squares (any lever arms). The
 !! sums are packed and unpacked half-way, as a restart does.
 program test_energy_balance
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use sg_advance, only: advance
   use sg_contactors, only: add_disk, add_polygon, add_segment
@@ -29,12 +30,13 @@ contains
   subroutine test_box(with_squares, name)
     logical, intent(in) :: with_squares
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     type(measures_t) :: measures
     type(energy_t) :: restored
     integer :: step
 
+    sim => fresh()
     call make_box(sim%scene, with_squares)
     sim%options%time_step = 1e-3_wp
     sim%options%steps = steps

@@ -4,6 +4,7 @@
 !! on a free body, do some in a step with an impact: the spin at which they are taken is that of a step without contacts.
 !! What the balance misses then is of the order of the step.
 program test_energy_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: drive
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
@@ -61,9 +62,10 @@ contains
   subroutine test_spheres(is_periodic, name)
     logical, intent(in) :: is_periodic
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: measures
 
+    sim => fresh()
     call begin_space_scene(sim%scene, grains + 6, 0.4_wp, 0.02_wp)
     call put_grains(sim%scene, with_boxes=.false.)
     call put_planes(sim%scene, is_periodic, is_shaken=.true.)
@@ -109,9 +111,10 @@ contains
 
   !> Without contacts gyroscopic torques do no work: a box in flight keeps its balance to rounding.
   subroutine test_flight()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: measures
 
+    sim => fresh()
     call begin_space_scene(sim%scene, 1, 0.0_wp, 0.02_wp)
     call put_box(sim%scene, 1, [0.7_wp, 0.6_wp, 0.3_wp], [0.0_wp, 0.0_wp, 0.0_wp])
     sim%scene%bodies%velocity(:, 1) = [1.0_wp, 2.0_wp, 3.0_wp, 2.0_wp, 3.0_wp, 4.0_wp]
@@ -122,9 +125,10 @@ contains
 
   !> One spin driven, the others free: what gyroscopic torques give to these, the drive pays.
   subroutine test_driven_flight()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: measures
 
+    sim => fresh()
     call begin_space_scene(sim%scene, 1, 0.0_wp, 0.02_wp)
     call put_box(sim%scene, 1, [0.7_wp, 0.6_wp, 0.3_wp], [0.0_wp, 0.0_wp, 0.0_wp])
     sim%scene%bodies%velocity(:, 1) = [1.0_wp, 2.0_wp, 3.0_wp, 2.0_wp, 3.0_wp, 4.0_wp]
@@ -139,8 +143,9 @@ contains
     real(wp), intent(in) :: step
     integer, intent(in) :: steps
     type(measures_t), intent(out) :: measures
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
+    sim => fresh()
     call begin_space_scene(sim%scene, grains + 6, 0.4_wp, 0.02_wp)
     call put_grains(sim%scene, with_boxes=.true.)
     call put_planes(sim%scene, is_periodic=.false., is_shaken=.false.)

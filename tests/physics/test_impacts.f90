@@ -1,5 +1,6 @@
 !> Impacts with known outcomes: restitution, a bouncing ball's end, cradles, a rocking block, a Painleve rod, clouds.
 program test_impacts
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, g, put_disk, put_polygon, put_wall, run
   use sg_body_energy, only: kinetic_energy
@@ -25,11 +26,11 @@ contains
   !> A ball on a floor leaves with e times its velocity; it touches when the step begins, so that the law acts.
   subroutine test_restitution()
     real(wp), parameter :: e(3) = [0.0_wp, 0.5_wp, 1.0_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i
 
     do i = 1, 3
-      sim = simulation_t()
+      sim => fresh()
       call begin_scene(sim%scene, 2, 0.0_wp, 0.1_wp)
       sim%scene%laws(1)%kind = law_restitution
       sim%scene%laws(1)%normal_restitution = e(i)
@@ -46,10 +47,11 @@ contains
 
   !> A ball that bounces with e = 0.5: at rest after sqrt(2h/g) (1+e)/(1-e), mgh dissipated, and then it stays.
   subroutine test_bouncing_ball()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: e = 0.5_wp, height = 1, h = 1e-4_wp
     real(wp) :: rest_time, resting_height, closure
 
+    sim => fresh()
     call begin_scene(sim%scene, 2, 0.0_wp, 0.1_wp)
     sim%scene%laws(1)%kind = law_restitution
     sim%scene%laws(1)%normal_restitution = e
@@ -79,12 +81,12 @@ contains
 
   !> Three touching balls, the first at speed 1: (-1/3, 2/3, 2/3) for e = 1, (1/3, 1/3, 1/3) for e = 0.
   subroutine test_cradle()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i, b
     real(wp) :: expected(3)
 
     do i = 0, 1
-      sim = simulation_t()
+      sim => fresh()
       call begin_scene(sim%scene, 3, 0.0_wp, 0.1_wp)
       sim%scene%laws(1)%kind = law_restitution
       sim%scene%laws(1)%normal_restitution = real(i, wp)
@@ -108,10 +110,11 @@ contains
   !! It turns about its left corner and lands flat in one inelastic impact, the left corner leaving freely, with friction
   !! enough to stick. No gravity: nothing but the impact changes the spin, and the ratio holds to the solver's tolerance.
   subroutine test_rocking_block()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: b = 0.2_wp, c = 1, spin = 0.05_wp
     real(wp) :: sine2
 
+    sim => fresh()
     call begin_scene(sim%scene, 2, 2.0_wp, 0.1_wp)
     call put_polygon(sim%scene, 1, reshape([-b, 0.0_wp, b, 0.0_wp, b, 2*c, -b, 2*c], [2, 4]))
     call put_wall(sim%scene, 2, 5.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
@@ -130,7 +133,7 @@ contains
 
   !> A rod that slides on its end with so much friction that no force law has a solution: the impact stops it.
   subroutine test_painleve()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: friction = 1.8_wp, half = 0.5_wp, thick = 1e-4_wp
     real(wp) :: angle, u(2), foot(2), along(2), across(2)
     integer :: i
@@ -139,7 +142,7 @@ contains
     along = [cos(angle), sin(angle)]
     across = [-sin(angle), cos(angle)]
     do i = 1, 2
-      sim = simulation_t()
+      sim => fresh()
       call begin_scene(sim%scene, 2, friction, 1e-3_wp)
       ! A thin rhomb of length 1, its lower end on the floor at the origin.
       call put_polygon(sim%scene, 1, reshape([[0.0_wp, 0.0_wp], half*along - thick*across, 2*half*along, &
@@ -170,12 +173,13 @@ contains
   subroutine test_cloud(with_polygons, friction)
     logical, intent(in) :: with_polygons
     real(wp), intent(in) :: friction
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(random_t) :: random
     integer, parameter :: n = 100
     real(wp) :: place(2), before(3), after(3), scale, energy, moment
     integer :: b, step, k
 
+    sim => fresh()
     call random%seed(3)
     call begin_scene(sim%scene, n, friction, 0.05_wp)
     sim%scene%gravity = 0

@@ -1,5 +1,6 @@
 !> Impacts in space: a bouncing sphere, Newton's cradle, clouds of polyhedra that collide freely.
 program test_impacts_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use polyhedra, only: prism_polyhedron
   use scenes, only: begin_run, g, run
@@ -28,12 +29,12 @@ contains
   !> Each bounce is e times as fast as the last: heights fall by e^2, flights last e times as long.
   subroutine test_bounces()
     real(wp), parameter :: h = 1e-4_wp, drop = 1, radius = 0.1_wp, shares(3) = [0.5_wp, 0.9_wp, 1.0_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: peak(3), before, time(4)
     integer :: i, bounces
 
     do i = 1, size(shares)
-      sim = simulation_t()
+      sim => fresh()
       call begin_space_scene(sim%scene, 2, 0.0_wp, 0.05_wp)
       call put_sphere(sim%scene, 1, radius, [0.0_wp, 0.0_wp, radius + drop])
       call put_plane(sim%scene, 2, [5.0_wp, 5.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
@@ -65,7 +66,7 @@ contains
   !! back with a third of its speed, and the others go on together with two thirds.
   subroutine test_cradle()
     real(wp), parameter :: h = 1e-3_wp, radius = 0.1_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(random_t) :: random
     real(wp) :: line(3), got(3)
     integer :: i, b, c
@@ -76,7 +77,7 @@ contains
         line(c) = random%normal()
       end do
       line = line/norm2(line)
-      sim = simulation_t()
+      sim => fresh()
       call begin_space_scene(sim%scene, 3, 0.0_wp, 0.01_wp)
       sim%scene%gravity = 0
       do b = 1, 3
@@ -99,9 +100,10 @@ contains
   !! and keeps linear and angular momentum.
   subroutine test_oblique()
     real(wp), parameter :: radius = 0.1_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: momentum(6), after(6), p(3), n(3), limit
 
+    sim => fresh()
     call begin_space_scene(sim%scene, 2, 0.05_wp, 0.01_wp)
     sim%scene%gravity = 0
     call put_sphere(sim%scene, 1, radius, [-0.12_wp, 0.05_wp, 0.15_wp])
@@ -178,11 +180,12 @@ contains
     character(len=*), intent(in) :: name
     real(wp), intent(out) :: drift
     integer, parameter :: side = 3, n = side**3
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(random_t) :: random
     real(wp) :: momentum(6), start, last, now, gain, scale(2)
     integer :: b, c, met
 
+    sim => fresh()
     call random%seed(22)
     call begin_space_scene(sim%scene, n, friction, 0.01_wp)
     sim%scene%gravity = 0

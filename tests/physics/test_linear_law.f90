@@ -1,6 +1,7 @@
 !> The linear law r = -(1/epsilon) v: two bodies and a chain against closed forms, in the plane and in space, in all directions and
 !! along the normal alone, with epsilon given in 1/kg and over the mean diagonal term of W.
 program test_linear_law
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, run
   use scenes_space, only: begin_space_scene, put_sphere
@@ -29,7 +30,7 @@ contains
 
   !> Grains of one radius in a row along an oblique direction, just not touching, without gravity, with the linear law.
   subroutine make_row(sim, dimension, n, epsilon, relative_epsilon, is_along_normal, along)
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     integer, intent(in) :: dimension, n
     real(wp), intent(in) :: epsilon, relative_epsilon
     logical, intent(in) :: is_along_normal
@@ -37,6 +38,7 @@ contains
     real(wp), parameter :: radius = 0.5_wp
     integer :: b
 
+    sim => fresh()
     along = [0.6_wp, 0.8_wp, 0.0_wp]
     if (dimension == 3) along = [2.0_wp, 3.0_wp, 6.0_wp]/7
     if (dimension == 2) call begin_scene(sim%scene, n, 0.0_wp, 0.5_wp*radius)
@@ -61,7 +63,7 @@ contains
     logical, intent(in) :: is_along_normal
     real(wp), parameter :: epsilon = 1e-3_wp, v0 = 1, across = 0.1_wp
     integer, parameter :: steps = 3
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: along(3), tangent(3), w, w_tt, jump(3), spin
 
     call make_row(sim, dimension, 2, epsilon, 0.0_wp, is_along_normal, along)
@@ -101,7 +103,7 @@ contains
     logical, intent(in) :: is_relative
     integer, parameter :: n = 7, steps = 4
     real(wp), parameter :: multiple = 0.3_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: along(3), mode(n), factor, moved(n), epsilon
     integer :: b
 
@@ -126,7 +128,7 @@ contains
   !> Two grains that fly past each other: the normal turns from step to step, and impulses along it turn neither grain.
   subroutine test_turning_pair(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: along(3), speed(3), spin
 
     call make_row(sim, dimension, 2, 1e-4_wp, 0.0_wp, .true., along)

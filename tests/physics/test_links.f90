@@ -1,6 +1,7 @@
 !> Links with known answers: a mass on a rod, its damping, a wire that goes slack and taut, a pendulum, a hanging chain, a wire
 !! that breaks; in the plane and in space, across a period too.
 program test_links
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use link_scenes, only: begin_links, link, put_mass, tension_of
   use scenes, only: begin_run, g, run
@@ -55,10 +56,11 @@ contains
   subroutine test_ring()
     integer, parameter :: n = 9
     real(wp), parameter :: pressure = 700, radius = 0.4_wp, stiffness = 1e4_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: place(2, n), force, side, moved, miss, middle(2), angle
     integer :: i, sense
 
+    sim => fresh()
     do sense = -1, 1, 2
       force = real(sense, wp)*pressure*radius*cos(pi/real(n, wp))
       side = 2*radius*sin(pi/real(n, wp))
@@ -97,10 +99,11 @@ contains
     integer, intent(in) :: dimension
     real(wp), intent(in) :: damping
     real(wp), parameter :: stiffness = 400, mass = 4, rest = 0.5_wp, h = 1e-4_wp, strain = 0.02_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: x, v, force, expected, miss, turn(2)
     integer :: step, turns
 
+    sim => fresh()
     call begin_links(sim%scene, 2, dimension, law_t(kind=law_rod, axial_stiffness=stiffness, axial_damping=damping, &
                                                     prestrain=strain))
     call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
@@ -137,9 +140,10 @@ contains
   subroutine test_slack_wire(dimension)
     integer, intent(in) :: dimension
     real(wp), parameter :: h = 1e-3_wp, length = 0.3_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: step, taut
 
+    sim => fresh()
     call begin_links(sim%scene, 2, dimension, law_t(kind=law_rigid_wire))
     sim%scene%gravity(dimension) = -g
     call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
@@ -163,10 +167,11 @@ contains
   subroutine test_pendulum(dimension)
     integer, intent(in) :: dimension
     real(wp), parameter :: h = 5e-4_wp, length = 0.5_wp, swing = 0.05_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: before, crossing(2)
     integer :: step, crossings
 
+    sim => fresh()
     call begin_links(sim%scene, 2, dimension, law_t(kind=law_rigid_wire))
     sim%scene%gravity(dimension) = -g
     call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
@@ -192,10 +197,11 @@ contains
     integer, intent(in) :: dimension
     integer, parameter :: n = 12
     real(wp), parameter :: pull = 50, weight = 2*g, stiffness = 1e5_wp, rest = 0.1_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: force(dimension), place(dimension, 0:n), miss, moved
     integer :: i
 
+    sim => fresh()
     call begin_links(sim%scene, n + 1, dimension, law_t(kind=law_wire, axial_stiffness=stiffness))
     sim%scene%gravity(dimension) = -g
     place = 0
@@ -226,9 +232,10 @@ contains
   subroutine test_break(dimension)
     integer, intent(in) :: dimension
     real(wp), parameter :: limit = 25, stiffness = 1e3_wp, h = 1e-3_wp, speed = 0.05_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: step, broken, k
 
+    sim => fresh()
     call begin_links(sim%scene, 2, dimension, law_t(kind=law_wire, axial_stiffness=stiffness, breaking_force=limit))
     call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
     ! Heavy, so that the wire does not slow it: 25 N for a second on 10^9 kg.
@@ -255,8 +262,9 @@ contains
   !> Two masses that a linear law without length holds together move as one.
   subroutine test_glue(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
+    sim => fresh()
     call begin_links(sim%scene, 2, dimension, law_t(kind=law_linear))
     sim%scene%gravity(dimension) = -g
     call put_mass(sim%scene, 1, 1.0_wp, 0*along(dimension, 1))
@@ -273,9 +281,10 @@ contains
   !> Two masses on a wire that fly through a period together stay linked by the same image.
   subroutine test_period(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i
 
+    sim => fresh()
     call begin_links(sim%scene, 3, dimension, law_t(kind=law_rod, axial_stiffness=1e4_wp))
     sim%scene%period = 2
     do i = 1, 3
@@ -300,10 +309,11 @@ contains
     integer, intent(in) :: dimension, axis
     real(wp), parameter :: h = 1e-3_wp, rest = 2, area = 0.03_wp, mass = 0.5_wp, young = 1e7_wp, poisson = 0.25_wp
     real(wp), parameter :: strength(2) = [2000.0_wp, 600.0_wp], speed = 1e-3_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: stiffness, damping, expected, limit, force
     integer :: step, broken, mode
 
+    sim => fresh()
     mode = merge(1, 2, axis == 1)
     call begin_links(sim%scene, 2, dimension, law_t(kind=law_bond, young=young, poisson=poisson, normal_strength=strength(1), &
                                                     tangential_strength=strength(2)))
@@ -338,11 +348,12 @@ contains
   subroutine test_energy(dimension)
     integer, intent(in) :: dimension
     real(wp), parameter :: stiffness = 2e3_wp, damping = 40, mass = 4, rest = 0.5_wp, h = 1e-4_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: measures
     real(wp) :: sag, scale
     integer :: step
 
+    sim => fresh()
     call begin_links(sim%scene, 2, dimension, law_t(kind=law_rod, axial_stiffness=stiffness, axial_damping=damping))
     sim%scene%gravity(dimension) = -g
     call put_mass(sim%scene, 1, 0.0_wp, 0*along(dimension, 1))
@@ -372,10 +383,13 @@ contains
     integer, intent(in) :: dimension
     type(law_t), intent(in) :: law
     character(len=*), parameter :: folder = 'links_restart'
-    type(simulation_t) :: straight, first, second
+    type(simulation_t), pointer :: straight, first, second
     type(error_t), allocatable :: error
     type(diagnostics_t) :: warnings
 
+    straight => fresh()
+    first => fresh()
+    second => fresh()
     call t%check(make_folder(folder), 'restart: the folder is there')
     call make_row(dimension, law, folder, straight)
     call run(straight, 300)

@@ -3,6 +3,7 @@
 !!
 !! The arch is that of the plane drawn out along y: its limit is t/R = 0.10672 for straight-sided voussoirs (see test_arch).
 program test_masonry_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, g, hold, run
   use scenes_space, only: begin_space_scene, force_in_space, put_box, put_plane, put_shape
@@ -31,9 +32,10 @@ contains
   !> How far the crown of an arch of mean radius 1 m sinks in 1.5 s [m].
   real(wp) function sag(thickness)
     real(wp), intent(in) :: thickness !! [m]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: height
 
+    sim => fresh()
     call build(sim, thickness)
     call begin_run(sim, step, 1e-5_wp)
     height = sim%scene%bodies%position(3, crown)
@@ -91,10 +93,11 @@ contains
   subroutine test_wall()
     integer, parameter :: courses = 6, row = 4
     real(wp), parameter :: half(3) = [0.1_wp, 0.05_wp, 0.03_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: weight, force(3), place(3), start
     integer :: b, c, i, n
 
+    sim => fresh()
     n = 0
     do c = 1, courses
       n = n + row + merge(1, 0, modulo(c, 2) == 0)

@@ -5,6 +5,7 @@
 !! from the plane into space, and solved by each method. What the bodies do, brought back, is what they do in the first scene.
 !! Nothing has to be known of the right answer. Called with a number, it makes as many rounds instead of five.
 program test_metamorphic
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use recipes, only: build, end_state, in_space, map_t, mapped, random_recipe, recipe_t, shape_box, shape_capsule, shape_disk, &
                      shape_dumbbell, shape_pair, shape_polygon, shape_prism, shape_segment, shape_slab, shape_sphere, &
@@ -106,9 +107,10 @@ contains
   !! so whose friction torque have many solutions.
   subroutine count_steps(recipe)
     type(recipe_t), intent(in) :: recipe
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: k, j, points
 
+    sim => fresh()
     n_steps = most_steps
     if (recipe%dimension == 2 .or. .not. recipe%law%static_friction > 0) return
     call build(recipe, tolerance, sim)
@@ -132,11 +134,12 @@ contains
     character(len=*), intent(in), optional :: method
     logical, intent(out), optional :: is_solved
     real(wp), allocatable :: state(:, :)
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(map_t) :: back
     logical :: solved_all
     integer :: i
 
+    sim => fresh()
     if (present(map)) back = map
     if (present(method)) sim%options%solver%method = method
     call build(recipe, tolerance, sim)

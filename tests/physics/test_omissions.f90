@@ -3,6 +3,7 @@
 !! A heap of grains falls on obstacles of one shape, fixed or pushed along, turned by any angle and shifted within their bodies.
 !! The reference keeps all that the plan may leave out: its problems have tangents and lever arms, its bodies angles.
 program test_omissions
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use polyhedra, only: prism_polyhedron
   use scenes, only: begin_run, begin_scene, drive, put_disk, run
@@ -43,7 +44,7 @@ contains
     integer, intent(in) :: kind !! shape of the obstacles
     real(wp), intent(in) :: friction !! Coulomb coefficient
     logical, intent(in) :: pushed !! do obstacles move?
-    type(simulation_t) :: one, other
+    type(simulation_t), pointer :: one, other
     character(len=:), allocatable :: name
     integer :: choice
 
@@ -87,7 +88,7 @@ contains
 
   !> Grains over obstacles of one shape.
   subroutine make(sim, kind, friction, pushed)
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     integer, intent(in) :: kind
     real(wp), intent(in) :: friction
     logical, intent(in) :: pushed
@@ -95,6 +96,7 @@ contains
     real(wp) :: side
     integer :: b, c, n
 
+    sim => fresh()
     call random%seed(kind)
     n = merge(3, 2, kind >= kind_sphere)
     if (n == 2) call begin_scene(sim%scene, n_grains + n_obstacles, friction, 0.05_wp)

@@ -6,6 +6,7 @@
 !! Phys. Rev. E 61, 2000). Friction lets them stop earlier: 0.55 (random loose) to 0.63, with 4 (isostatic with friction) to
 !! 5.2 contacts; poured in by inertia they end well above the loosest.
 program test_packing_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, density, g, run
   use scenes_space, only: begin_space_scene, force_in_space, put_plane, put_shape, put_sphere, turn_at_random
@@ -32,11 +33,12 @@ contains
     real(wp), intent(in) :: friction
     integer, intent(in) :: steps
     integer, parameter :: n = 500
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(random_t) :: random
     real(wp) :: solid, coordination, deepest
     integer :: b
 
+    sim => fresh()
     call random%seed(41)
     call begin_space_scene(sim%scene, n + 1, friction, 0.02_wp)
     sim%scene%period = period
@@ -187,12 +189,13 @@ contains
   !> Random polyhedra rain into a periodic cell and settle.
   subroutine test_polyhedra()
     integer, parameter :: n = 200
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(random_t) :: random
     type(polyhedron_t) :: shape
     type(error_t), allocatable :: error
     integer :: b, steps
 
+    sim => fresh()
     steps = 1400
     call random%seed(42)
     call begin_space_scene(sim%scene, n + 1, 0.4_wp, 0.02_wp)

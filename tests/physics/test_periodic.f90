@@ -1,5 +1,6 @@
 !> Periods: what rolls, flies or is driven through them moves as if there were none.
 program test_periodic
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, g, hold, put_disk, put_polygon, put_wall, run
   use sg_contactors, only: add_disk, add_hollow
@@ -32,7 +33,7 @@ contains
 
   !> A disk rolls through five periods, to the right or to the left: its place is v t, its contact never forgets.
   subroutine test_rolling()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: h = 1e-3_wp, r = 0.3_wp, period = 2
     real(wp) :: speed, weight
     integer :: i, step
@@ -40,7 +41,7 @@ contains
     logical :: keeps
 
     do i = 1, 2
-      sim = simulation_t()
+      sim => fresh()
       speed = merge(3.0_wp, -3.0_wp, i == 1)
       call begin_scene(sim%scene, 2, 0.5_wp, 0.01_wp)
       sim%scene%period = period
@@ -68,11 +69,12 @@ contains
 
   !> A stack of squares slides without friction through the period, its two-point contacts split by the border or not.
   subroutine test_stack()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: square(2, 4) = reshape([0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 1.0_wp], [2, 4])
     integer :: b, step
     logical :: keeps
 
+    sim => fresh()
     call begin_scene(sim%scene, 4, 0.0_wp, 0.01_wp)
     sim%scene%period = 3
     do b = 1, 3
@@ -96,11 +98,13 @@ contains
   !> A cloud that collides while it flies through many periods, against the same cloud in the open.
   subroutine test_cloud(with_polygons)
     logical, intent(in) :: with_polygons
-    type(simulation_t) :: open, periodic
+    type(simulation_t), pointer :: open, periodic
     integer, parameter :: n = 25, steps = 200
     real(wp) :: worst
     integer :: b
 
+    open => fresh()
+    periodic => fresh()
     call make_cloud(open, with_polygons, 0.0_wp)
     call make_cloud(periodic, with_polygons, 9.0_wp)
     call run(open, steps)
@@ -144,10 +148,11 @@ contains
 
   !> A rough wall of disks, driven through many periods, drags the grain that lies in its hollow.
   subroutine test_rough_wall()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: speed = 20
     integer :: i
 
+    sim => fresh()
     call begin_scene(sim%scene, 2, 0.5_wp, 0.05_wp)
     sim%scene%period = 6
     do i = 0, 5
@@ -172,9 +177,10 @@ contains
 
   !> A smooth wall longer than the period, driven through many periods, carries a grain anywhere.
   subroutine test_smooth_wall()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: b
 
+    sim => fresh()
     call begin_scene(sim%scene, 4, 0.0_wp, 0.05_wp)
     sim%scene%period = 6
     call put_wall(sim%scene, 1, 4.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)

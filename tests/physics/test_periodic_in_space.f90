@@ -1,6 +1,7 @@
 !> Scenes periodic in x and y: four copies in twice the periods move as the one, a shift of everything changes nothing, and what
 !! flies through the borders keeps its momentum.
 program test_periodic_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, run
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_plane, put_sphere
@@ -84,10 +85,12 @@ contains
   !> Four copies in twice the periods.
   subroutine test_copies(friction)
     real(wp), intent(in) :: friction
-    type(simulation_t) :: one, four
+    type(simulation_t), pointer :: one, four
     real(wp) :: worst(2)
     integer :: b, copy, contacts
 
+    one => fresh()
+    four => fresh()
     call make(one, friction, 1, [0.0_wp, 0.0_wp], .true.)
     call make(four, friction, 2, [0.0_wp, 0.0_wp], .true.)
     contacts = 0
@@ -113,10 +116,12 @@ contains
 
   !> The same, shifted along x and y.
   subroutine test_shift()
-    type(simulation_t) :: here, there
+    type(simulation_t), pointer :: here, there
     real(wp) :: shift(2), worst
     integer :: b
 
+    here => fresh()
+    there => fresh()
     shift = [0.613_wp, 0.377_wp]
     call make(here, 0.4_wp, 1, [0.0_wp, 0.0_wp], .true.)
     call make(there, 0.4_wp, 1, shift, .true.)
@@ -131,9 +136,10 @@ contains
 
   !> Without gravity or floor, momentum is kept through all borders.
   subroutine test_momentum()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: before(3), contacts
 
+    sim => fresh()
     call make(sim, 0.4_wp, 1, [0.0_wp, 0.0_wp], .false.)
     before = matmul(sim%scene%bodies%velocity(1:3, :), sim%scene%bodies%mass)
     contacts = 0

@@ -1,6 +1,7 @@
 !> Overlap that is undone: two grains, grains in and on a floor and tilted boxes against closed forms, in the plane and in space;
 !! packs that few sweeps have left deep in each other, on any number of subdomains.
 program test_recovery
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, pack_deck, pack_names, start_pack
   use scenes, only: begin_run, begin_scene, drive, put_disk, put_polygon, put_wall, run
@@ -51,9 +52,10 @@ contains
   subroutine test_pair(dimension)
     integer, intent(in) :: dimension
     real(wp), parameter :: deep = 0.025_wp*small
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: first(2), share(2)
 
+    sim => fresh()
     first = [0.0_wp, small + large - deep]
     if (dimension == 2) then
       call begin_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
@@ -83,10 +85,11 @@ contains
   subroutine test_floor(dimension)
     integer, intent(in) :: dimension
     real(wp), parameter :: deep = 0.005_wp*small
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: measures
     real(wp) :: weight
 
+    sim => fresh()
     if (dimension == 2) then
       call begin_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
       call put_wall(sim%scene, 2, 1.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
@@ -114,9 +117,10 @@ contains
     integer, intent(in) :: dimension
     real(wp), parameter :: tilt = 1e-2_wp, middle = small - 5e-4_wp
     real(wp), parameter :: along(2) = [cos(tilt), sin(tilt)], across(2) = [-sin(tilt), cos(tilt)]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: lowest
 
+    sim => fresh()
     if (dimension == 2) then
       call begin_scene(sim%scene, 2, 0.3_wp, 0.01_wp)
       call put_wall(sim%scene, 2, 1.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
@@ -146,10 +150,11 @@ contains
     real(wp), parameter :: deep = 0.005_wp*small, way = deep - left
     ! A sweep without momentum leaves two thirds at most (disks, one held), one with it the root of that, and there are fifty.
     real(wp), parameter :: unsolved = sqrt(2/3.0_wp)**50*way
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: share(2), turned(2)
     integer :: component
 
+    sim => fresh()
     call put_two_on_floor(dimension, friction, small - deep/2, sim%scene)
     if (is_held) then
       do component = dimension + 1, sim%scene%bodies%n_velocity
@@ -221,12 +226,13 @@ contains
   subroutine test_pack(comm, name)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: before, after
     type(error_t), allocatable :: error
     real(wp) :: share_left
     integer :: pushes
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-4_wp, sim)
     sim%options%recovery = 3e-5_wp
     sim%options%recovery_every = 10

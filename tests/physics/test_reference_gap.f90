@@ -1,6 +1,7 @@
 !> Laws whose gaps count from that of the first step with contacts: grains that are in reach then stop where they were detected,
 !! later ones at contact, in the plane and in space; a restart in between changes nothing; and a shifted gap.
 program test_reference_gap
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, put_wall, run
   use scenes_space, only: begin_space_scene, put_plane, put_sphere
@@ -37,9 +38,10 @@ contains
   subroutine make(dimension, kind, shift, places, sim)
     integer, intent(in) :: dimension, kind
     real(wp), intent(in) :: shift, places(2)
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     integer :: b
 
+    sim => fresh()
     if (dimension == 2) then
       call begin_scene(sim%scene, 3, 0.3_wp, 0.05_wp)
       call put_wall(sim%scene, 3, 3.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
@@ -75,7 +77,7 @@ contains
     real(wp), intent(in) :: shift
     real(wp), intent(in) :: first, second !! gaps expected at the end [m]
     real(wp), intent(in), optional :: places(2) !! gaps at the start [m]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: at(2)
 
     at = [0.01_wp, 0.1_wp]
@@ -89,7 +91,7 @@ contains
   !> The spring of the elastic law is relaxed at the first gap: force and gap obey r = -h k (gap + h u - first gap) in each step.
   subroutine test_spring(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: worst, impulse
     integer :: step, k
 
@@ -112,7 +114,7 @@ contains
 
   !> A run continued from a checkpoint ends in the very same places.
   subroutine test_restart()
-    type(simulation_t) :: straight, second, other
+    type(simulation_t), pointer :: straight, second, other
     type(error_t), allocatable :: error
     type(diagnostics_t) :: warnings
 
@@ -138,7 +140,7 @@ contains
 
   !> A run continued from a checkpoint of before the first contact has the same first contact; one of after it has no second one.
   subroutine test_late_restart()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     type(diagnostics_t) :: warnings
     integer :: i, before

@@ -1,6 +1,7 @@
 !> Round bodies that roll in space: from sliding to rolling, capsules on a slope, a sphere in a drum, in a corner; and the same
 !! motion whichever way the whole scene is turned.
 program test_rolling_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, g, run
   use scenes_space, only: begin_space_scene, force_in_space, put_box, put_capsule, put_drum, put_plane, put_sphere
@@ -27,7 +28,7 @@ contains
   !! is kept to the last, whatever the friction. Its spin about the vertical stays.
   subroutine test_to_rolling()
     real(wp), parameter :: radius = 0.2_wp, frictions(2) = [0.1_wp, 0.7_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: v0(3), w0(3), expected(3), slip
     integer :: i, j
 
@@ -35,7 +36,7 @@ contains
       do j = 1, 2
         v0 = merge(0.0_wp, 1.0_wp, i == 1)*[1.0_wp, -0.4_wp, 0.0_wp]
         w0 = merge(0.0_wp, 10.0_wp, i == 2)*[0.6_wp, 0.9_wp, 0.7_wp]
-        sim = simulation_t()
+        sim => fresh()
         call begin_space_scene(sim%scene, 2, frictions(j), 0.01_wp)
         call put_sphere(sim%scene, 1, radius, [0.0_wp, 0.0_wp, radius])
         call put_plane(sim%scene, 2, [20.0_wp, 20.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
@@ -72,7 +73,7 @@ contains
   !! on its cap as long as nothing disturbs it.
   subroutine test_capsule()
     real(wp), parameter :: radius = 0.1_wp, half = 0.3_wp, angle = 0.3_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: cylinder, caps, share, weight
     integer :: i, k
 
@@ -80,7 +81,7 @@ contains
     caps = 4*pi*radius**3/3
     share = (cylinder/2 + 2*caps/5)/(cylinder + caps)
     do i = 1, 3
-      sim = simulation_t()
+      sim => fresh()
       call begin_space_scene(sim%scene, 2, 0.6_wp, 0.01_wp)
       call put_capsule(sim%scene, 1, half, radius, [0.0_wp, 0.0_wp, merge(radius + half, radius, i == 3)])
       if (i < 3) sim%scene%bodies%orientation(:, 1) = quaternion_product(rotation_by([-pi/2, 0.0_wp, 0.0_wp]), &
@@ -112,12 +113,12 @@ contains
   !! an amplitude of a; without friction it slides with omega^2 = g/(R - r).
   subroutine test_drum()
     real(wp), parameter :: outer = 1.0_wp, radius = 0.1_wp, amplitude = 0.1_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: omega, x, crossing(2), weight
     integer :: i, crossings
 
     do i = 1, 3
-      sim = simulation_t()
+      sim => fresh()
       call begin_space_scene(sim%scene, 2, merge(0.0_wp, 0.5_wp, i == 2), 0.01_wp)
       associate (a => merge(0.0_wp, amplitude, i == 1))
         call put_sphere(sim%scene, 1, radius, (outer - radius)*[sin(a), 0.0_wp, -cos(a)])
@@ -151,11 +152,12 @@ contains
 
   !> Without friction a sphere in a corner of three planes leans on each with its share of the weight.
   subroutine test_corner()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: radius = 0.1_wp, direction(3) = [0.3_wp, 0.5_wp, 0.8_wp]
     real(wp) :: weight
     integer :: axis
 
+    sim => fresh()
     call begin_space_scene(sim%scene, 4, 0.0_wp, 0.01_wp)
     call put_sphere(sim%scene, 1, radius, [radius, radius, radius])
     call put_plane(sim%scene, 2, [5.0_wp, 5.0_wp, 0.1_wp], [-0.1_wp, 0.0_wp, 0.0_wp], rotation_by([0.0_wp, pi/2, 0.0_wp]))
@@ -183,10 +185,12 @@ contains
 
   !> A sphere, a capsule and a box thrown on a plane, each into the next: turned as a whole, it all happens the same way.
   subroutine test_turned()
-    type(simulation_t) :: one, other
+    type(simulation_t), pointer :: one, other
     real(wp) :: q(4), frame(3, 3), worst(2)
     integer :: b, met
 
+    one => fresh()
+    other => fresh()
     q = normalised([0.3_wp, -0.5_wp, 0.6_wp, 0.4_wp])
     frame = frame_of(q)
     call make_turned(one, no_rotation)

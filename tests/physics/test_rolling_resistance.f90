@@ -2,6 +2,7 @@
 !! slope below the bound and roll above it, that roll to rest, spheres that spin to rest; in other units, turned, and with the
 !! energy that the moments take.
 program test_rolling_resistance
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, g, hold, put_disk, put_polygon, put_wall, run
   use scenes_space, only: begin_space_scene, put_plane, put_sphere
@@ -30,13 +31,14 @@ contains
 
   !> A grain on a flat wall through the origin, in the plane or in space.
   subroutine put_grain(sim, dimension, friction, scale, q)
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     integer, intent(in) :: dimension
     real(wp), intent(in) :: friction
     real(wp), intent(in), optional :: scale !! unit of length [m], one unless given
     real(wp), intent(in), optional :: q(4) !! rotation of the whole scene in space, none unless given
     real(wp) :: unit, turn(4)
 
+    sim => fresh()
     unit = 1
     turn = no_rotation
     if (present(scale)) unit = scale
@@ -93,7 +95,7 @@ contains
   subroutine test_slopes()
     real(wp), parameter :: bound = 0.1_wp, slopes(4) = [0.05_wp, 0.0999_wp, 0.1001_wp, 0.3_wp], &
                            shares(3) = [1.0_wp, 0.0_wp, 0.25_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: measures
     real(wp) :: expected, weight, normal
     integer :: i, d, way
@@ -126,7 +128,7 @@ contains
   !> Without friction a grain slides on as it did, and its spin is lost at l N/I all the same.
   subroutine test_without_friction()
     real(wp), parameter :: length = 0.02_wp, spin = 5.0_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: slowing
     integer :: d
 
@@ -148,7 +150,7 @@ contains
   !> A grain that rolls at v0 on level ground stops after v0/a and v0^2/(2 a), a = k g/(1 + I/(m R^2)), and stays.
   subroutine test_to_rest()
     real(wp), parameter :: bound = 0.05_wp, speed = 0.2_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: slowing
     integer :: d
 
@@ -175,7 +177,7 @@ contains
   !! l = k R/2 + length; without a law it spins on.
   subroutine test_twisting()
     real(wp), parameter :: bound = 0.04_wp, length = 0.002_wp, spin = 10.0_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: slowing, arm
     integer :: i
 
@@ -183,7 +185,7 @@ contains
       if (i < 3) then
         call put_grain(sim, 3, 0.6_wp)
       else
-        sim = simulation_t()
+        sim => fresh()
         call begin_space_scene(sim%scene, 2, 0.6_wp, 0.01_wp)
         call put_sphere(sim%scene, 1, radius, [0.0_wp, 0.0_wp, radius])
         call put_sphere(sim%scene, 2, radius, [0.0_wp, 0.0_wp, -radius])
@@ -214,12 +216,12 @@ contains
   subroutine test_block()
     real(wp), parameter :: half = 0.1_wp, height = 0.6_wp, length = 0.03_wp, limit = (half + length)/(height/2)
     real(wp), parameter :: slopes(2) = limit*[0.999_wp, 1.001_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: inertia, expected
     integer :: i
 
     do i = 1, 2
-      sim = simulation_t()
+      sim => fresh()
       call begin_scene(sim%scene, 2, 2.0_wp, 0.01_wp)
       call put_polygon(sim%scene, 1, reshape([-half, 0.0_wp, half, 0.0_wp, half, height, -half, height], [2, 4]))
       call put_wall(sim%scene, 2, 50.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)
@@ -242,7 +244,7 @@ contains
   subroutine test_units_and_turn()
     real(wp), parameter :: v0(3) = [0.5_wp, 0.2_wp, 0.0_wp], w0(3) = [2.0_wp, -3.0_wp, 4.0_wp]
     real(wp) :: q(4), worst(2), spin(3)
-    type(simulation_t) :: one, large, turned
+    type(simulation_t), pointer :: one, large, turned
     integer :: i
 
     q = normalised([0.3_wp, -0.5_wp, 0.6_wp, 0.4_wp])
@@ -288,7 +290,7 @@ contains
   !> Criteria of increments see moments too: solved by one of them, a grain rolls as it should.
   subroutine test_increments()
     real(wp), parameter :: bound = 0.1_wp, slope = 0.3_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: d
 
     do d = 2, 3

@@ -3,6 +3,7 @@
 !! The floor's acceleration stays below gravity, so that the grains ride on it: the vertical force on the floor is
 !! m (g + a(t)), a sine of amplitude m A omega.
 program test_shaken_box
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, g, put_disk, put_wall, run
   use sg_fourier, only: fourier_is_available
@@ -27,13 +28,14 @@ contains
 
   !> One second in steps of 1 ms, after a tenth in which the grains settle: a bin is 1 Hz.
   subroutine test_shaking()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(samples_t) :: samples
     type(grains_t) :: all_grains
     real(wp), allocatable :: power(:)
     real(wp) :: expected
     integer :: step
 
+    sim => fresh()
     call make_box(sim, amplitude)
     call begin_run(sim, h, 1e-8_wp)
     call run(sim, 100)
@@ -60,12 +62,13 @@ contains
   !! elsewhere.
   subroutine test_bouncing()
     integer, parameter :: harmonics(4) = [20, 40, 60, 80]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(samples_t) :: samples
     real(wp), allocatable :: power(:)
     real(wp) :: among
     integer :: step, k
 
+    sim => fresh()
     call make_box(sim, 2*g/omega)
     ! Blows of many grains at once take many sweeps: to 1e-4 of their size is enough here.
     call begin_run(sim, h, 1e-4_wp)

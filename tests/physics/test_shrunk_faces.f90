@@ -2,6 +2,7 @@
 !!
 !! A cube of half side a whose contact points are moved by a share s to the middle stands on a slope of tangent below 1 - s.
 program test_shrunk_faces
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, g, hold, put_polygon, run
   use scenes_space, only: begin_space_scene, put_box
@@ -63,8 +64,9 @@ contains
     real(wp), intent(in) :: share, slope
     real(wp), parameter :: square(2, 4) = &
                            reshape([-0.5_wp, -0.5_wp, 0.5_wp, -0.5_wp, 0.5_wp, 0.5_wp, -0.5_wp, 0.5_wp], [2, 4])
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
+    sim => fresh()
     if (dimension == 2) then
       call begin_scene(sim%scene, 2, 3.0_wp, 0.01_wp)
       call put_polygon(sim%scene, 1, square*2 + spread([0.0_wp, -1.0_wp], 2, 4))

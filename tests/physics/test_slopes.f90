@@ -3,6 +3,7 @@
 !! A constant acceleration makes the theta scheme exact: velocities grow by a h each step. What is left is the first step,
 !! and rounding through the solver's tolerance.
 program test_slopes
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, force_on, g, put_disk, put_polygon, put_wall, run
   use sg_kinds, only: wp, pi
@@ -59,13 +60,13 @@ contains
   !> The block sticks iff friction >= tan a, and slides with g (sin a - friction cos a) else.
   subroutine test_block()
     real(wp), parameter :: shares(6) = [0.0_wp, 0.5_wp, 0.95_wp, 0.999_wp, 1.001_wp, 2.0_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: measures
     real(wp) :: expected, place(2)
     integer :: i
 
     do i = 1, size(shares)
-      sim = simulation_t()
+      sim => fresh()
       call begin_scene(sim%scene, 2, shares(i)*tan(angle), 0.01_wp)
       call put_block(sim)
       call put_slope(sim, 2)
@@ -86,13 +87,13 @@ contains
   !> A disk rolls with 2/3 g sin a iff friction >= tan(a)/3, and slides with g (sin a - friction cos a) else.
   subroutine test_disk()
     real(wp), parameter :: shares(5) = [0.0_wp, 0.5_wp, 0.99_wp, 1.01_wp, 3.0_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: r = 0.3_wp
     real(wp) :: friction, spin, speed
     integer :: i
 
     do i = 1, size(shares)
-      sim = simulation_t()
+      sim => fresh()
       friction = shares(i)*tan(angle)/3
       call begin_scene(sim%scene, 2, friction, 0.01_wp)
       call put_disk(sim%scene, 1, r, r*[-slope(2), slope(1)])
@@ -111,13 +112,13 @@ contains
 
   !> Static friction above tan a, dynamic below: a block at rest that was set down stuck stays, a pushed one slides on.
   subroutine test_static_friction()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i
     real(wp) :: pull
     real(wp), parameter :: static = 0.8_wp, dynamic = 0.3_wp
 
     do i = 1, 2
-      sim = simulation_t()
+      sim => fresh()
       call begin_scene(sim%scene, 2, 0.0_wp, 0.01_wp)
       sim%scene%laws(1)%static_friction = static
       sim%scene%laws(1)%dynamic_friction = dynamic
@@ -160,12 +161,12 @@ contains
   !> Without friction each wall of the V carries m g/(2 sin b).
   subroutine test_v()
     real(wp), parameter :: openings(3) = [0.3_wp, 0.8_wp, 1.4_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: weight
     integer :: i, side
 
     do i = 1, 3
-      sim = simulation_t()
+      sim => fresh()
       call make_v(sim, openings(i), 0.0_wp)
       call begin_run(sim, h, 1e-13_wp)
       call run(sim, 20)
@@ -179,12 +180,12 @@ contains
 
   !> With friction, also above tan b where the V locks, the disk stays and the walls together carry its weight.
   subroutine test_locked_v()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: opening = 0.3_wp
     integer :: i
 
     do i = 1, 2
-      sim = simulation_t()
+      sim => fresh()
       call make_v(sim, opening, merge(1.5_wp, 0.5_wp, i == 1)*tan(opening))
       call begin_run(sim, h, 1e-10_wp)
       call run(sim, 20)

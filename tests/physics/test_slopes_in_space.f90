@@ -4,6 +4,7 @@
 !! makes the theta scheme exact: velocities grow by a h each step. What is left is the first step, and rounding through
 !! the solver's tolerance.
 program test_slopes_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, g, run
   use scenes_space, only: begin_space_scene, force_in_space, put_box, put_plane, put_sphere
@@ -48,13 +49,13 @@ contains
   !> A sphere rolls with 5/7 g sin a iff friction >= 2/7 tan a, and slides with g (sin a - friction cos a) else.
   subroutine test_sphere()
     real(wp), parameter :: shares(5) = [0.0_wp, 0.5_wp, 0.999_wp, 1.001_wp, 3.0_wp], directions(3) = [0.0_wp, 1.1_wp, 4.0_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: slope(3), expected, friction, spin(3)
     integer :: i, j
 
     do j = 1, size(directions)
       do i = 1, size(shares)
-        sim = simulation_t()
+        sim => fresh()
         friction = shares(i)*2/7*tan(angle)
         call begin_space_scene(sim%scene, 2, friction, 0.01_wp)
         slope = lean(sim, directions(j), angle)
@@ -85,13 +86,13 @@ contains
   !> A flat block sticks iff friction >= tan a, and slides with g (sin a - friction cos a) else; it does not turn.
   subroutine test_block()
     real(wp), parameter :: shares(5) = [0.0_wp, 0.5_wp, 0.999_wp, 1.001_wp, 2.0_wp], directions(3) = [0.0_wp, 0.7_wp, 2.5_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: slope(3), expected
     integer :: i, j
 
     do j = 1, size(directions)
       do i = 1, size(shares)
-        sim = simulation_t()
+        sim => fresh()
         call begin_space_scene(sim%scene, 2, shares(i)*tan(angle), 0.01_wp)
         slope = lean(sim, directions(j), angle)
         call put_box(sim%scene, 1, [0.5_wp, 0.6_wp, 0.1_wp], [0.0_wp, 0.0_wp, 0.1_wp])
@@ -107,14 +108,14 @@ contains
 
   !> A tall box that cannot slide tips iff tan a exceeds width over height; one that slips slides without tipping.
   subroutine test_tipping()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: slope(3), limit
     integer :: i
     real(wp), parameter :: shares(2) = [0.99_wp, 1.01_wp]
 
     limit = atan(0.4_wp)
     do i = 1, 2
-      sim = simulation_t()
+      sim => fresh()
       call begin_space_scene(sim%scene, 2, 1.0_wp, 0.01_wp)
       slope = lean(sim, 0.0_wp, shares(i)*limit)
       call put_box(sim%scene, 1, [0.2_wp, 0.3_wp, 0.5_wp], [0.0_wp, 0.0_wp, 0.5_wp])
@@ -129,7 +130,7 @@ contains
       end if
     end do
     ! The same box on a slope that tips it, but too slippery: it slides on its whole face.
-    sim = simulation_t()
+    sim => fresh()
     call begin_space_scene(sim%scene, 2, 0.2_wp, 0.01_wp)
     slope = lean(sim, 0.0_wp, 1.01_wp*limit)
     call put_box(sim%scene, 1, [0.2_wp, 0.3_wp, 0.5_wp], [0.0_wp, 0.0_wp, 0.5_wp])
@@ -142,11 +143,12 @@ contains
 
   !> A stack of cubes, one of them turned about the vertical, carries its weight on four corners each.
   subroutine test_stack()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer, parameter :: n = 4
     real(wp) :: weight, force(3)
     integer :: i, k
 
+    sim => fresh()
     call begin_space_scene(sim%scene, n + 1, 0.5_wp, 0.01_wp)
     do i = 1, n
       call put_box(sim%scene, i, [0.1_wp, 0.1_wp, 0.1_wp], [0.0_wp, 0.0_wp, 0.2_wp*real(i, wp) - 0.1_wp], &

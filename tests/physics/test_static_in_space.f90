@@ -1,6 +1,7 @@
 !> Bodies at rest or pressed in space: columns, pistons, stacks that do not creep, a box that tumbles and comes to rest; and
 !! what the plan leaves out, which changes no motion.
 program test_static_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, drive, g, run
   use scenes_space, only: begin_space_scene, force_in_space, put_box, put_capsule, put_dumbbell, put_plane, put_sphere
@@ -34,10 +35,11 @@ contains
   subroutine test_column()
     integer, parameter :: n = 10
     real(wp), parameter :: r = 0.1_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: weight
     integer :: b, k
 
+    sim => fresh()
     call begin_space_scene(sim%scene, n + 1, 0.0_wp, 0.01_wp)
     do b = 1, n
       call put_sphere(sim%scene, b, r, [0.0_wp, 0.0_wp, (2*real(b, wp) - 1)*r])
@@ -61,10 +63,11 @@ contains
     real(wp), intent(in) :: friction
     integer, parameter :: n = 25
     real(wp), parameter :: force = 500, r = 0.1_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: floor(3), weight
     integer :: b, c
 
+    sim => fresh()
     call begin_space_scene(sim%scene, n + 2, friction, 0.01_wp)
     sim%scene%period = 11*r
     sim%scene%period_y = 11*r
@@ -110,7 +113,7 @@ contains
 
   !> The plan of each kind of scene: what it leaves out.
   subroutine test_kinds()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
     call begin_kind(sim, 0.0_wp)
     call check_kind(sim, 'spheres without friction', ball_frictionless, turns=.false.)
@@ -146,10 +149,10 @@ contains
 
   !> A sphere on a plane, and room for a third body.
   subroutine begin_kind(sim, friction)
-    type(simulation_t), intent(inout) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     real(wp), intent(in) :: friction
 
-    sim = simulation_t()
+    sim => fresh()
     call begin_space_scene(sim%scene, 3, friction, 0.01_wp)
     call put_sphere(sim%scene, 1, 0.2_wp, [0.0_wp, 0.0_wp, 0.2_wp])
     call put_plane(sim%scene, 2, [1.0_wp, 1.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])
@@ -188,9 +191,11 @@ contains
   !! touches nothing, makes the plan take them.
   subroutine test_same_motion(friction)
     real(wp), intent(in) :: friction
-    type(simulation_t) :: compact, whole
+    type(simulation_t), pointer :: compact, whole
     integer :: met
 
+    compact => fresh()
+    whole => fresh()
     call make_spheres(compact, friction, .false.)
     call make_spheres(whole, friction, .true.)
     met = 0
@@ -237,10 +242,11 @@ contains
   !> A stack of boxes, turned on each other, on a plane that leans: nothing creeps in 2000 steps.
   subroutine test_creep()
     integer, parameter :: n = 4
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: place(3, n), turn(4, n)
     integer :: b
 
+    sim => fresh()
     call begin_space_scene(sim%scene, n + 1, 0.6_wp, 0.005_wp)
     do b = 1, n
       call put_box(sim%scene, b, [0.2_wp, 0.25_wp, 0.1_wp], [0.0_wp, 0.0_wp, 0.2_wp*real(b, wp) - 0.1_wp], &
@@ -260,13 +266,13 @@ contains
 
   !> A box thrown on the floor tumbles, and ends on one of its faces at rest.
   subroutine test_tumble()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: half(3) = [0.1_wp, 0.16_wp, 0.25_wp]
     real(wp) :: frame(3, 3), sorted(3), weight
     integer :: i
 
     do i = 1, 3
-      sim = simulation_t()
+      sim => fresh()
       call begin_space_scene(sim%scene, 2, 0.5_wp, 0.01_wp)
       call put_box(sim%scene, 1, half, [0.0_wp, 0.0_wp, 0.8_wp], rotation_by(real(i, wp)*[0.3_wp, 0.7_wp, 0.2_wp]))
       call put_plane(sim%scene, 2, [50.0_wp, 50.0_wp, 0.1_wp], [0.0_wp, 0.0_wp, -0.1_wp])

@@ -2,6 +2,7 @@
 !!
 !! Scenes are turned, gravity too: an answer that depends on rounding differs from direction to direction.
 program test_status
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, put_disk, put_polygon, put_wall, run
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
@@ -42,13 +43,14 @@ contains
 
   !> A body on a floor, in axes turned at random, or by quarters.
   subroutine make(sim, kind, turns, quarter)
-    type(simulation_t), intent(out) :: sim !! body 1 on body 2; no velocity, no gravity, no friction
+    type(simulation_t), pointer, intent(out) :: sim !! body 1 on body 2; no velocity, no gravity, no friction
     integer, intent(in) :: kind !! kind of problem that it makes
     logical, intent(in) :: turns !! may the body turn?
     integer, intent(in), optional :: quarter !! turns by this many quarters about the last axis
     real(wp) :: q(4), angle, corners(2, 4)
     integer :: i, n
 
+    sim => fresh()
     n_points = sum(merge([1, 2, 1, 4], 0, kinds == kind))
     if (kind < ball_frictional) then
       angle = random%uniform(-pi, pi)
@@ -120,7 +122,7 @@ contains
 
   !> A body at 1 m/s is braked by the dynamic coefficient in each of 100 steps: 0.8 m/s are left.
   subroutine test_braking()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     character(len=16), allocatable :: methods(:)
     integer :: i, method, direction
 
@@ -144,9 +146,10 @@ contains
 
   !> The same at the tolerance that decks have unless they choose one.
   subroutine test_default_tolerance()
-    type(simulation_t) :: sim, options
+    type(simulation_t), pointer :: sim, options
     integer :: i, direction
 
+    options => fresh()
     do i = 1, size(kinds)
       do direction = 1, 5
         call make(sim, kinds(i), turns=.false.)
@@ -162,7 +165,7 @@ contains
   !> Thirty slopes: bodies that are free to turn are braked by the dynamic coefficient too. Spheres slide until they roll, which
   !! takes 0.14 s on the level.
   subroutine test_slopes()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: lean, expected
     integer :: i, slope
 
@@ -182,7 +185,7 @@ contains
   !> What has come to rest sticks: on a slope between both coefficients a body slides down for ever unless it stuck before.
   subroutine test_rest_after_sliding()
     real(wp), parameter :: lean = 0.4_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: before
     integer :: i
 
@@ -224,7 +227,7 @@ contains
   !! alone too.
   subroutine test_pulls()
     real(wp), parameter :: shares(5) = [0.0_wp, 0.2_wp, 0.999_wp, 1.001_wp, 3.0_wp], frictions(2) = [0.0_wp, 0.5_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i, j, k, freedom, c
 
     do i = 1, size(kinds)
@@ -248,7 +251,7 @@ contains
   !> Shear: the limit is friction times cohesion; without friction there is none.
   subroutine test_shear()
     real(wp), parameter :: shares(3) = [0.3_wp, 0.499_wp, 0.501_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i, j
 
     do i = 1, size(kinds)
@@ -267,7 +270,7 @@ contains
 
   !> A bond to a body that is driven along the floor slips and breaks; one that is carried along by the floor holds.
   subroutine test_moving_bond()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i, body, c, n
 
     do i = 1, size(kinds)

@@ -3,6 +3,7 @@
 !! Where every grain is in equilibrium and nothing weighs, the mean stress of what a box of planes holds follows from the
 !! forces on the planes alone: sigma_ab = sum of f_a x_b over V, f the force on a plane at x.
 program test_stress_in_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use measured, only: box_of_scene, mean_stress
   use scenes, only: begin_run, density, g, run
@@ -34,11 +35,12 @@ contains
   !> Cubes on one another: the stress grows from the top down, by their weight over their section; its mean is half.
   subroutine test_column()
     integer, parameter :: n = 4
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(measures_t) :: measures
     integer :: i
     real(wp) :: weight
 
+    sim => fresh()
     call begin_space_scene(sim%scene, n + 1, 0.0_wp, 0.01_wp)
     do i = 1, n
       call put_box(sim%scene, i, [0.5_wp, 0.5_wp, 0.5_wp], [0.0_wp, 0.0_wp, real(i, wp) - 0.5_wp])
@@ -125,10 +127,11 @@ contains
   subroutine test_simple_cubic(friction)
     real(wp), intent(in) :: friction
     integer, parameter :: n = 3
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: expected(3, 3)
     integer :: i
 
+    sim => fresh()
     call begin_space_scene(sim%scene, n**3 + 6, friction, 0.01_wp)
     do i = 1, n**3
       call put_sphere(sim%scene, i, radius, real([modulo(i - 1, n), modulo((i - 1)/n, n), (i - 1)/n**2], wp) + radius)
@@ -147,10 +150,11 @@ contains
     integer, parameter :: n = 3, layers = 4
     real(wp), parameter :: spacing = 2.1_wp*radius, rise = sqrt(4*radius**2 - spacing**2/2)
     real(wp), parameter :: width = n*spacing, height = 2*radius + real(layers - 1, wp)*rise
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: stress(3, 3), across, shift
     integer :: i, layer
 
+    sim => fresh()
     call begin_space_scene(sim%scene, layers*n**2 + 2, friction, 0.01_wp)
     sim%scene%period = width
     sim%scene%period_y = width
@@ -178,10 +182,11 @@ contains
   subroutine test_fcc(friction)
     real(wp), intent(in) :: friction
     real(wp), parameter :: rise = sqrt(2.0_wp)*radius, room(3) = [3.0_wp, 3.0_wp, 1 + 2*rise]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: stress(3, 3), side(3)
     integer :: i, body, layer, n
 
+    sim => fresh()
     call begin_space_scene(sim%scene, 22 + 6, friction, 0.01_wp)
     body = 0
     do layer = 0, 2

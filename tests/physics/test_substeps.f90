@@ -1,6 +1,7 @@
 !> Substeps: n of them against n short steps that detect each, where carried contacts are exact; gaps of points that follow turning
 !! bodies; packs on any number of subdomains; a substep that breaks.
 program test_substeps
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use link_scenes, only: begin_links, link, put_mass
   use packs, only: advance_pack, can_be_made, pack_deck, pack_names, start_pack
@@ -149,9 +150,11 @@ contains
   !> Ten steps of four substeps each do what forty steps do: motion, energies, status and impulses of the contacts.
   subroutine test_twins(name)
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim, other
+    type(simulation_t), pointer :: sim, other
     integer :: k
 
+    sim => fresh()
+    other => fresh()
     call make(name, sim)
     sim%options%substeps = n
     call begin_run(sim, n*h, 1e-13_wp)
@@ -197,10 +200,12 @@ contains
   subroutine test_gap(dimension, face_of)
     integer, intent(in) :: dimension
     integer, intent(in) :: face_of !! body whose face the contact lies on: the first is the candidate, the second the antagonist
-    type(simulation_t) :: sim, first
+    type(simulation_t), pointer :: sim, first
     real(wp) :: half(dimension), corner(dimension), foot(dimension), face(dimension)
     integer :: k, c, side
 
+    sim => fresh()
+    first => fresh()
     call make_pair(dimension, face_of, first)
     call begin_run(first, h, 1e-13_wp)
     call make_pair(dimension, face_of, sim)
@@ -282,12 +287,13 @@ contains
 
   !> A force that is not finite in the last substep alone: bodies, works and counts are back at the beginning of the step.
   subroutine test_broken()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     type(time_function_t) :: force
     real(wp), allocatable :: position(:, :), velocity(:, :), angle(:)
     real(wp) :: loss
 
+    sim => fresh()
     call make('bouncing disk', sim)
     force%times = [0.0_wp, (6*n - 0.5_wp)*h, 6*n*h]
     force%values = [0.0_wp, 0.0_wp, -huge(1.0_wp)]
@@ -326,9 +332,10 @@ contains
   subroutine test_pack(comm, name)
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
 
+    sim => fresh()
     call start_pack(t, comm, name, pack_deck(name), 1e-4_wp, sim)
     sim%options%substeps = 3
     sim%pairs%substeps = 3

@@ -3,6 +3,7 @@
 !! The mirror is the plane x = 0. What breaks the symmetry is what the solver leaves undone in a step, grown by impacts.
 !! The runs end before grains wedge: then frictional steps have many solutions, and corners choose their side by rounding.
 program test_symmetry
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, put_polygon, put_wall, run
   use sg_kinds, only: wp
@@ -28,11 +29,12 @@ contains
     character(len=*), intent(in) :: name
     real(wp), intent(in) :: friction
     logical, intent(in) :: with_polygons
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(random_t) :: random
     real(wp) :: place(2), radius, worst, moved
     integer :: b
 
+    sim => fresh()
     call random%seed(6)
     call begin_scene(sim%scene, 2*n + 1, friction, 0.05_wp)
     do b = 1, n

@@ -1,5 +1,6 @@
 !> First steps of scenes as problems, solvers for them, and checks of solvers that all kinds of problems share.
 module solver_cases
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, g, put_disk, put_polygon, put_wall
   use sg_assemble, only: assemble
@@ -61,11 +62,12 @@ contains
     integer, intent(in) :: kind !! of problem, in the plane
     type(problem_t), intent(out) :: problem !! of its first step
     real(wp), allocatable, intent(out) :: exact(:) !! normal impulse of each contact [N s]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: square(2, 4) = reshape([0.0_wp, 0.0_wp, 1.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 1.0_wp], [2, 4])
     integer :: b, k, lower, n_column
     real(wp) :: share
 
+    sim => fresh()
     n_column = heights(kind)
     call begin_scene(sim%scene, n_column + 1, merge(0.4_wp, 0.0_wp, kind == round_frictional .or. kind == arm_frictional), 0.01_wp)
     share = 1

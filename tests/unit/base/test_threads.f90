@@ -1,6 +1,7 @@
 !> Coloured order: blocks of one colour touch no body in common; the same bits for any number of threads; as few sweeps as other
 !! orders, nearly; and what is said where threads cannot be had.
 program test_threads
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use same_bits, only: same
   use scenes, only: begin_scene, put_disk, put_polygon, put_wall
@@ -100,9 +101,10 @@ contains
   subroutine make_problem(kind, problem)
     integer, intent(in) :: kind
     type(problem_t), intent(out) :: problem
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: friction
 
+    sim => fresh()
     friction = merge(0.3_wp, 0.0_wp, modulo(kind, 2) == 0)
     select case (kind)
     case (round_frictionless, round_frictional)

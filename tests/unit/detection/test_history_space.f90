@@ -1,6 +1,7 @@
 !> Impulses carried from step to step in space: by pair, image and feature, while normals turn and lists are rebuilt; and runs
 !! that are stopped, written, read and continued, bit for bit.
 program test_history_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use kept_states, only: check_same_state, count_marks, mark_all
   use scenes, only: begin_run, drive, place_bodies, run
@@ -103,7 +104,7 @@ contains
   !> A sphere rolls over another that is held: the normal turns by a quarter and more, and yet the impulse of the last step is
   !! always the guess of the next, as a vector in the world.
   subroutine test_turning()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: last(3), n(3)
     integer :: i, lost
     type(scene_t) :: copy
@@ -111,6 +112,7 @@ contains
     type(history_t) :: history
     type(contacts_t) :: contacts
 
+    sim => fresh()
     call begin_space_scene(sim%scene, 2, 0.5_wp, 0.01_wp)
     call put_sphere(sim%scene, 1, 0.2_wp, [0.0_wp, 0.0_wp, 0.7_wp])
     call put_sphere(sim%scene, 2, 0.5_wp, [0.0_wp, 0.0_wp, 0.0_wp])
@@ -196,12 +198,15 @@ contains
     character(len=*), intent(in) :: name
     integer, intent(in) :: shapes
     real(wp), intent(in) :: period(2), friction
-    type(simulation_t) :: straight, first, second
+    type(simulation_t), pointer :: straight, first, second
     type(error_t), allocatable :: error
     type(diagnostics_t) :: warnings
     integer, parameter :: steps = 200
     integer :: i, split
 
+    straight => fresh()
+    first => fresh()
+    second => fresh()
     call t%check(make_folder(folder), name//': the folder is there')
     call make(straight, shapes, period, friction)
     call run(straight, steps)
@@ -222,8 +227,8 @@ contains
       call t%equal(second%step, split, name//': step')
       call run(second, steps - split)
       call check_same_state(t, straight, second, name)
-      first = simulation_t()
-      second = simulation_t()
+      first => fresh()
+      second => fresh()
     end do
   end subroutine test_restart
 

@@ -1,6 +1,7 @@
 !> Contacts that are kept while their pair hardly moves: against a detection of the moved pair, on random pairs in the plane and in
 !! space; what is kept is left alone until the pair has moved too far; packs on any number of subdomains.
 program test_kept_contacts
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, pack_deck, start_pack
   use scenes, only: begin_run, begin_scene, put_polygon, put_wall
@@ -39,11 +40,14 @@ contains
     integer, intent(in) :: dimension
     logical, intent(in) :: has_wall
     type(random_t) :: random
-    type(simulation_t) :: start, kept, found, general
+    type(simulation_t), pointer :: start, kept, found, general
     character(len=:), allocatable :: name
     real(wp) :: length, share, error, worst
     integer :: i, n_exact, n_kept, n_other, n_followed
 
+    kept => fresh()
+    found => fresh()
+    general => fresh()
     name = trim(merge('plane', 'space', dimension == 2)//merge(', wall', '      ', has_wall))
     call random%seed(7)
     worst = 0
@@ -94,8 +98,9 @@ contains
   !> 1 if the next detection goes through the loop over plain arrays, which asks the history that it begins with.
   integer function followed_now(sim)
     type(simulation_t), intent(in) :: sim
-    type(simulation_t) :: next
+    type(simulation_t), pointer :: next
 
+    next => fresh()
     call copy(sim, next)
     call keep_contacts(next%history, next%contacts)
     call exchange_kept(next%history, next%contacts)
@@ -177,10 +182,11 @@ contains
     type(random_t), intent(inout) :: random
     integer, intent(in) :: dimension
     logical, intent(in) :: has_wall
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     real(wp) :: place(3), half(3)
     integer :: b
 
+    sim => fresh()
     if (dimension == 2) call begin_scene(sim%scene, 2, 0.3_wp, alert)
     if (dimension == 3) call begin_space_scene(sim%scene, 2, 0.3_wp, alert)
     do b = 1, 2
@@ -341,10 +347,11 @@ contains
     character(len=*), intent(in) :: name
     character(len=*), parameter :: scene = '[scene]'//new_line('a')
     character(len=:), allocatable :: deck
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     integer :: n
 
+    sim => fresh()
     deck = pack_deck(name)
     if (index(deck, scene) == 1) deck = deck(len(scene) + 1:)
     deck = scene//'kept_motion = 1e-3'//new_line('a')//deck

@@ -1,5 +1,6 @@
 !> Indicators in space against closed forms: pairs of shapes, boxes, flows, contacts by hand; neighbours by brute force.
 program test_monitors_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use measured, only: box_of_scene, mean_stress, measures_of, measures_without_contacts, overlap_of_scene
   use scenes, only: begin_run, density, place_bodies, run
@@ -406,8 +407,9 @@ contains
 
   !> Contacts as detection finds them: through x and y together, of polyhedra, and on a plane that spans both periods.
   subroutine test_overlaps_through_periods()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
+    sim => fresh()
     call begin_space_scene(sim%scene, 6, 0.3_wp, 0.01_wp)
     sim%scene%gravity = 0
     sim%scene%period = 10

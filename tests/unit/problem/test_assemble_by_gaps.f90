@@ -1,5 +1,6 @@
 !> Contacts assembled and judged in one pass against contacts taken one by one, as laws of any kind are: packs of all shapes.
 program test_assemble_by_gaps
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_assemble, only: begin_problem, put_contact
@@ -36,9 +37,10 @@ contains
   subroutine test_pack(name, kind)
     character(len=*), intent(in) :: name
     integer, intent(in) :: kind
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem, slow
 
+    sim => fresh()
     call start_pack(t, sim%comm, name, pack_deck(name), 1e-4_wp, sim)
     sim%scene%laws(1)%kind = kind
     sim%scene%laws(1)%gap_shift = 1e-4_wp

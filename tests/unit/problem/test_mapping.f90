@@ -1,5 +1,6 @@
 !> H and H^T adjoint, the compact mapping of all four kinds of problem against the geometric one, W against H^T M^-1 H.
 program test_mapping
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, put_disk, put_polygon, put_wall
   use resultants, only: add_resultants
@@ -39,9 +40,10 @@ contains
   subroutine test_kind(kind, period)
     integer, intent(in) :: kind
     real(wp), intent(in) :: period
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     character(len=:), allocatable :: name
 
+    sim => fresh()
     name = trim(names(kind))
     if (period > 0) name = name//', periodic'
     call make_scene(sim, kind, period)
@@ -273,9 +275,10 @@ contains
 
   !> One contact by hand: a spinning disk on a floor.
   subroutine test_hand()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: u(2), resultant(3, 2)
 
+    sim => fresh()
     call begin_scene(sim%scene, 2, 0.3_wp, 0.1_wp)
     call put_disk(sim%scene, 1, 2.0_wp, [0.0_wp, 2.05_wp])
     call put_wall(sim%scene, 2, 5.0_wp, 1.0_wp, [0.0_wp, -1.0_wp], 0.0_wp)

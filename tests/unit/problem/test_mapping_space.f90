@@ -1,6 +1,7 @@
 !> H and H^T adjoint in space, the compact mapping of all four kinds of problem against the geometric one, W against
 !! H^T M^-1 H, and the blocks of the records against W.
 program test_mapping_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes_space, only: random_space_scene
   use resultants, only: add_space_resultants
@@ -66,9 +67,10 @@ contains
     integer, intent(in) :: kind, law
     real(wp), intent(in) :: period(2)
     character(len=*), intent(in) :: variant
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     character(len=:), allocatable :: name
 
+    sim => fresh()
     name = trim(names(kind))//variant
     call random_space_scene(sim%scene, kind, law, period, side, n_bodies)
     call begin_step(sim)

@@ -35,6 +35,7 @@ end module breaking_solver
 
 program test_dump
   use breaking_solver, only: breaking_solver_t
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, g, put_disk, put_wall, run
   use sg_advance, only: advance
@@ -90,7 +91,7 @@ contains
 
   !> A solve that gives an infinity ends the step, and what it was given can be solved from the file, by anyone.
   subroutine test_broken_step()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(error_t), allocatable :: error
     type(matrix_problem_t) :: problem
     class(matrix_solver_t), allocatable :: solver
@@ -99,6 +100,7 @@ contains
     real(wp) :: place(2)
     logical :: has_guess
 
+    sim => fresh()
     call begin_scene(sim%scene, 2, 0.3_wp, 0.1_wp)
     call put_disk(sim%scene, 1, 0.5_wp, [0.0_wp, 0.5_wp])
     call put_wall(sim%scene, 2, 10.0_wp, 0.1_wp, [0.0_wp, -0.1_wp], 0.0_wp)

@@ -2,6 +2,7 @@
 program test_guard
   use, intrinsic :: ieee_arithmetic, only: ieee_flag_type, ieee_get_halting_mode, ieee_invalid, ieee_overflow, ieee_positive_inf, &
                                            ieee_quiet_nan, ieee_set_flag, ieee_set_halting_mode, ieee_value
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, put_disk, put_wall, run
   use sg_advance, only: advance
@@ -13,13 +14,14 @@ program test_guard
   use sg_simulation, only: simulation_t
   implicit none
   type(tests_t) :: t
-  type(simulation_t) :: sim
+  type(simulation_t), pointer :: sim
   type(error_t), allocatable :: error
   real(wp) :: impulse
   !> What builds with all checks stop at, and whether this one does
   type(ieee_flag_type), parameter :: kinds(2) = [ieee_overflow, ieee_invalid]
   logical :: halts(2)
 
+  sim => fresh()
   call begin_scene(sim%scene, 3, 0.3_wp, 0.1_wp)
   call put_disk(sim%scene, 1, 0.5_wp, [0.0_wp, 0.5_wp])
   call put_disk(sim%scene, 2, 0.5_wp, [3.0_wp, 0.5_wp])
@@ -79,9 +81,9 @@ contains
 
   !> A step that breaks without contacts solved, and with fewer contacts than the one before, which come back nonetheless.
   subroutine test_other_contacts()
-    type(simulation_t) :: other
+    type(simulation_t), pointer :: other
 
-    other = sim
+    other => fresh(sim)
     other%scene%bodies%position(2, 2) = 5
     other%scene%bodies%velocity(1, 1) = 1e200_wp
     call advance(other, error)
@@ -97,9 +99,9 @@ contains
 
   !> Positions out of range, and impulses and gaps that are no numbers.
   subroutine test_positions()
-    type(simulation_t) :: other
+    type(simulation_t), pointer :: other
 
-    other = sim
+    other => fresh(sim)
     other%scene%bodies%free_velocity = 0
     other%contacts%impulse(:, :other%contacts%n) = 0
     call find_broken(other%scene, other%contacts, 1, 1e-3_wp, .true., error)
@@ -117,11 +119,11 @@ contains
 
   !> The energy balance: what is open is told, or ends the run.
   subroutine test_energy()
-    type(simulation_t) :: other
+    type(simulation_t), pointer :: other
     type(measures_t) :: measures
     character(len=:), allocatable :: warning
 
-    other = sim
+    other => fresh(sim)
     call measure(other%scene, other%contacts, other%options%time_step, other%energy, measures)
     call judge_energy(measures, other%options%guard, 7, .false., warning, error)
     call t%check(.not. allocated(error) .and. warning == '', 'a balance that closes')

@@ -1,5 +1,6 @@
 !> The theta scheme of free and driven bodies: exact for what it integrates exactly, by hand for one step.
 program test_motion
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, g, hold, put_disk, run
   use sg_bodies, only: bodies_t
@@ -52,13 +53,13 @@ contains
 
   !> Ballistic flight: velocities exact; positions y0 + v t - g t^2/2 + (1/2 - theta) g h t, so exact at theta 1/2.
   subroutine test_flight()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp), parameter :: thetas(3) = [0.5_wp, 0.6_wp, 1.0_wp]
     real(wp) :: time
     integer :: i
 
     do i = 1, 3
-      sim = simulation_t()
+      sim => fresh()
       call begin_scene(sim%scene, 1, 0.5_wp, 0.0_wp)
       call put_disk(sim%scene, 1, 1.0_wp, [1.0_wp, 2.0_wp])
       sim%scene%bodies%velocity(:, 1) = [3.0_wp, 4.0_wp, 5.0_wp]
@@ -78,12 +79,13 @@ contains
 
   !> A driven body: the imposed velocity at the end of each step, positions by the trapezium rule for theta 1/2.
   subroutine test_driven()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(time_function_t) :: shaking
     real(wp) :: expected, exact
     integer :: i
     integer, parameter :: steps = 200
 
+    sim => fresh()
     shaking = time_function_t(constant=0.1_wp, amplitude=2.0_wp, omega=7.0_wp, phase=0.3_wp)
     call begin_scene(sim%scene, 1, 0.5_wp, 0.0_wp)
     call put_disk(sim%scene, 1, 1.0_wp, [1.0_wp, 2.0_wp])

@@ -1,5 +1,6 @@
 !> Bodies that pass through each other within a step: how thin shapes are, who passed, who only came deep, and in whose words.
 program test_tunnelling
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, drive, hold, put_disk, put_polygon, put_wall, run
   use scenes_space, only: begin_space_scene, put_box, put_capsule, put_plane, put_sphere
@@ -116,7 +117,7 @@ contains
   !> A disk of radius 0.1 flies half a metre a step at one that rests; their law waits until they touch. Found at -0.25 and 0.25,
   !! 0.75, it has passed one at 0.72, and is stopped a little before the centre of one at 0.78.
   subroutine test_balls()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
     call fly(sim, law_velocity, 0.72_wp, 1)
     call t%equal(sim%totals%tunnellings, 1, 'a ball has passed another one')
@@ -141,7 +142,7 @@ contains
 
   !> A ball and a wall: the sum of radius and half thickness, 0.15, is what counts.
   subroutine test_wall()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
     call fly(sim, law_velocity, 0.72_wp, 1, 0.05_wp)
     call t%equal(sim%totals%tunnellings, 1, 'a ball has passed a wall')
@@ -151,13 +152,14 @@ contains
 
   !> Make a disk fly at another one, or at a wall, for three milliseconds.
   subroutine fly(sim, law, distance, cut, half_thickness)
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     integer, intent(in) :: law, cut
     real(wp), intent(in) :: distance
     real(wp), intent(in), optional :: half_thickness
     type(error_t), allocatable :: error
     integer :: i
 
+    sim => fresh()
     call begin_scene(sim%scene, 2, 0.0_wp, 1.0_wp)
     sim%scene%laws(1)%kind = law
     sim%scene%gravity = 0
@@ -179,7 +181,7 @@ contains
   !! polygon; in any direction. Detections are at 0.25, 0.75, 1.25 m.
   subroutine test_first_detection()
     real(wp), parameter :: places(3) = [0.12_wp, 0.5_wp, 1.0_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i, j
     real(wp) :: angle, along(2)
 
@@ -187,7 +189,7 @@ contains
       do j = 0, 3
         angle = real(j, wp)
         along = [cos(angle), sin(angle)]
-        sim = simulation_t()
+        sim => fresh()
         call begin_scene(sim%scene, 2, 0.0_wp, 1e-3_wp)
         sim%scene%gravity = 0
         call put_disk(sim%scene, 1, 0.01_wp, [3.0_wp, -2.0_wp])
@@ -225,14 +227,14 @@ contains
   !> The same in space, through planes and boxes; a wall may be what moves.
   subroutine test_walls_in_space()
     real(wp), parameter :: up(3) = [0.0_wp, 0.0_wp, 1.0_wp], start(3) = [1.0_wp, 2.0_wp, 3.0_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: q(4), along(3)
     integer :: i, c
 
     do i = 1, 4
       q = rotation_by(0.4_wp*[real(i, wp), -1.0_wp, 0.5_wp])
       along = turned_by(q, up)
-      sim = simulation_t()
+      sim => fresh()
       call begin_space_scene(sim%scene, 2, 0.3_wp, 1e-3_wp)
       sim%scene%gravity = 0
       call put_sphere(sim%scene, 1, 0.01_wp, start)
@@ -258,9 +260,10 @@ contains
   !! sphere flies through the wall or through an open end.
   subroutine test_round_walls()
     real(wp), parameter :: upright(4) = [1.0_wp, 0.0_wp, 0.0_wp, 0.0_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i
 
+    sim => fresh()
     call begin_scene(sim%scene, 2, 0.0_wp, 1e-3_wp)
     sim%scene%gravity = 0
     call put_disk(sim%scene, 1, 0.01_wp, [0.0_wp, 0.0_wp])
@@ -268,7 +271,7 @@ contains
     call hold(sim%scene, 2)
     call fly_on(sim, [500.0_wp, 0.0_wp], 'a fixed disk', 1)
     do i = 1, 6
-      sim = simulation_t()
+      sim => fresh()
       call begin_space_scene(sim%scene, 2, 0.0_wp, 1e-3_wp)
       sim%scene%gravity = 0
       call put_sphere(sim%scene, 1, 0.01_wp, [0.0_wp, 0.0_wp, 0.0_wp])
@@ -314,14 +317,14 @@ contains
   !> Over the border of a period and through the image of a wall beyond it, in the plane along x and in space along x and y, in
   !! both directions; a wall beside the path stays whole.
   subroutine test_images()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     real(wp) :: along(3)
     integer :: axis, side, beside
 
     do axis = 1, 3
       do side = -1, 1, 2
         do beside = 0, 1
-          sim = simulation_t()
+          sim => fresh()
           along = 0
           along(min(axis, 2)) = real(side, wp)
           if (axis == 3) along = [real(side, wp), 0.0_wp, 0.0_wp]
@@ -398,11 +401,11 @@ contains
 
   !> Fast along a wall, fast past its end, or stopped by it: nothing passes.
   subroutine test_no_false_alarm()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer :: i
 
     do i = 1, 3
-      sim = simulation_t()
+      sim => fresh()
       call begin_scene(sim%scene, 2, 0.0_wp, 1.0_wp)
       call put_disk(sim%scene, 1, 0.1_wp, [0.0_wp, 0.1_wp])
       call put_wall(sim%scene, 2, 5.0_wp, 0.05_wp, merge([0.0_wp, -0.05_wp], [0.0_wp, 6.0_wp], i == 1), &
@@ -422,8 +425,9 @@ contains
 
   !> A lid comes down on a disk that lies on a floor: it can go nowhere, and comes out through one of them.
   subroutine test_squeezed()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
+    sim => fresh()
     call begin_scene(sim%scene, 3, 0.3_wp, 0.05_wp)
     call put_disk(sim%scene, 1, 0.1_wp, [0.0_wp, 0.1_wp])
     call put_wall(sim%scene, 2, 5.0_wp, 0.02_wp, [0.0_wp, -0.02_wp], 0.0_wp)

@@ -1,6 +1,7 @@
 !> Solvers of matrices as the method of a run: a stack of squares that sweeps leave far from its solution, a tall packing from
 !! zero impulses, and a law that has no matrices.
 program test_by_matrices
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, force_on, g, hold, put_disk, put_polygon, put_wall, run
   use sg_body_energy, only: kinetic_energy
@@ -22,11 +23,12 @@ contains
   !> Eight squares with friction, one on the other, a little out of line: two contacts an interface, impulses not unique.
   subroutine test_stack(method)
     character(len=*), intent(in) :: method
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer, parameter :: n = 8
     real(wp) :: x, y, weight, force(2)
     integer :: b
 
+    sim => fresh()
     call begin_scene(sim%scene, n + 1, 0.5_wp, 0.01_wp)
     do b = 1, n
       x = 0.02_wp*real(modulo(b, 3), wp)
@@ -50,12 +52,13 @@ contains
   !> A triangular packing forty rows high, from zero impulses in one step: sweeps take thousands.
   subroutine test_packing(method)
     character(len=*), intent(in) :: method
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     integer, parameter :: columns = 5, rows = 40, n = columns*rows
     real(wp), parameter :: radius = 0.01_wp
     real(wp) :: weight, force(2)
     integer :: b, row
 
+    sim => fresh()
     call begin_scene(sim%scene, n + 1, 0.5_wp, 1e-4_wp)
     sim%scene%period = 2*radius*columns
     do b = 1, n
@@ -78,8 +81,9 @@ contains
   !> A linear law is no cone: sweeps solve it, whatever the method.
   subroutine test_linear(method)
     character(len=*), intent(in) :: method
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
 
+    sim => fresh()
     call begin_scene(sim%scene, 2, 0.5_wp, 1e-4_wp)
     call put_disk(sim%scene, 1, 0.1_wp, [0.0_wp, 0.1_wp])
     call put_disk(sim%scene, 2, 0.1_wp, [0.0_wp, -0.1_wp])

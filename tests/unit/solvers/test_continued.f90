@@ -1,6 +1,7 @@
 !> Solves that go on from the problem before, as those of later substeps do, in its order of sweeps, and solves of other problems
 !! with the same contacts: the solutions of a new solver, while contacts open and close.
 program test_continued
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, next_problem, pack_deck, start_pack
   use sg_kinds, only: wp
@@ -35,12 +36,13 @@ contains
   subroutine test_pack(name, goes_on)
     character(len=*), intent(in) :: name
     logical, intent(in) :: goes_on !! are problems marked as going on from the one before?
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: free, problem
     type(nlgs_t) :: solver
     type(report_t) :: report
     integer :: round
 
+    sim => fresh()
     call start_pack(t, sim%comm, name, pack_deck(name), 1e-4_wp, sim)
     call advance_pack(t, name, sim, 80)
     call next_problem(sim, free)

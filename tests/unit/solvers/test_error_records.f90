@@ -1,6 +1,7 @@
 !> Errors of contacts in vector registers from the records of a problem: sums, what determines the active set and bounds as one by
 !! one, for disks, polygons, spheres and polyhedra, some contacts with other laws or without a part in the problem.
 program test_error_records
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, can_be_made, next_problem, pack_deck, start_pack
   use sg_compact, only: add_impulses
@@ -28,10 +29,11 @@ contains
   !> A problem of a pack under its guess: as it is, with contacts that take no part, and with a law that goes one by one.
   subroutine test_pack(name)
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     integer :: k, left
 
+    sim => fresh()
     call start_pack(t, sim%comm, name, pack_deck(name), 1e-2_wp, sim)
     call advance_pack(t, name, sim, 60)
     call next_problem(sim, problem)

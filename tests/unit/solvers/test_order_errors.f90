@@ -1,6 +1,7 @@
 !> Errors of contacts side by side: sums, active set and worst contact as `sum_errors` and `find_worst` have them, with contacts
 !! that the order does not hold, for disks, polygons and spheres that fall and come to rest.
 program test_order_errors
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use packs, only: advance_pack, next_problem, pack_deck, start_pack
   use sg_compact, only: add_impulses
@@ -33,13 +34,14 @@ contains
   !> A problem of a pack, with one contact in twenty outside of the order, after no sweep and after two.
   subroutine test_pack(name)
     character(len=*), intent(in) :: name
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: free, problem
     type(sweep_order_t) :: order
     type(solver_options_t) :: options
     logical, allocatable :: is_ordered(:)
     integer :: k, round
 
+    sim => fresh()
     call start_pack(t, sim%comm, name, pack_deck(name), 1e-2_wp, sim)
     call advance_pack(t, name, sim, 60)
     call next_problem(sim, free)

@@ -1,5 +1,6 @@
 !> The solver: criteria stop where they should, orders and relaxation reach one solution, and the active set changes nothing.
 program test_solver
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_scene, g, put_disk, put_polygon, put_wall
   use sg_compact, only: compact_velocity
@@ -253,7 +254,7 @@ contains
 
   !> Natural and groups order: the same velocities, which are unique without friction; small errors with it.
   subroutine test_orders()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: start, natural, groups
     type(nlgs_t) :: solver
     type(report_t) :: report
@@ -261,6 +262,7 @@ contains
     logical :: with_polygons
     character(len=:), allocatable :: name
 
+    sim => fresh()
     do i = 1, 4
       with_polygons = i > 2
       name = 'orders, '//merge('polygons', 'disks   ', with_polygons)
@@ -279,7 +281,7 @@ contains
       ! Velocities are of order 0.1 m/s; the heap's W has a condition of some 10^4.
       call t%near(maxval(abs(natural%body(1:2, :) - groups%body(1:2, :))), 0.0_wp, 1e-7_wp, name//': one solution')
       call compare_shuffled(solver, start, natural, name)
-      sim = simulation_t()
+      sim => fresh()
     end do
   end subroutine test_orders
 
@@ -334,13 +336,14 @@ contains
   !! Sweeps that visit all contacts always, with the kernel alone, give the solution to compare with.
   subroutine test_visited()
     integer, parameter :: n = 80, all_sweeps = 60000
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: start, problem, reference
     type(nlgs_t) :: solver
     type(report_t) :: report
     integer :: b, k, i, orders
     character(len=7), parameter :: order(2) = [character(len=7) :: 'natural', 'groups']
 
+    sim => fresh()
     call begin_scene(sim%scene, n, 0.0_wp, 0.1_wp)
     sim%scene%gravity = 0
     do b = 1, n

@@ -1,6 +1,7 @@
 !> The solver in space: solutions of all four kinds against the laws themselves, orders, warm starts, and criteria against their
 !! definitions.
 program test_solver_space
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: g
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere, random_space_scene
@@ -47,7 +48,7 @@ contains
 
   !> Random scenes with driven and partly driven bodies: impulses and velocities, from geometry alone, obey the laws.
   subroutine test_laws()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     type(nlgs_t) :: solver
     type(report_t) :: report
@@ -61,7 +62,7 @@ contains
         ! The elastic law has a compliance, which balls have no room for.
         if (law == law_elastic .and. kind /= solid_frictional) cycle
         name = trim(names(kind))
-        sim = simulation_t()
+        sim => fresh()
         call random_space_scene(sim%scene, kind, law, [6.0_wp, 6.0_wp], 6.0_wp, 60)
         call first_problem(sim, problem)
         call t%equal(problem%kind, kind, name//': the kind is as planned')
@@ -129,7 +130,7 @@ contains
 
   !> Spheres thrown together in a sparse cloud, each on a few others: one solution, whatever the order and the relaxation.
   subroutine test_orders()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: start, reference, other
     type(nlgs_t) :: solver
     type(report_t) :: report
@@ -139,7 +140,7 @@ contains
 
     do kind = ball_frictionless, solid_frictional
       name = trim(names(kind))
-      sim = simulation_t()
+      sim => fresh()
       call random_space_scene(sim%scene, kind, law_iqs, [0.0_wp, 0.0_wp], 9.0_wp, 120)
       call first_problem(sim, start)
       call t%check(start%n_contacts > 30, name//': there are contacts')
@@ -203,9 +204,10 @@ contains
   subroutine make_column(kind, n_column, problem, sim)
     integer, intent(in) :: kind, n_column
     type(problem_t), intent(out) :: problem
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     integer :: b
 
+    sim => fresh()
     call begin_space_scene(sim%scene, n_column + 1, merge(0.4_wp, 0.0_wp, kind == ball_frictional .or. kind == solid_frictional), &
                            0.01_wp)
     do b = 1, n_column
@@ -223,7 +225,7 @@ contains
   !> Every kind of problem: the contacts of a column carry what lies above.
   subroutine test_column()
     integer, parameter :: heights(5:8) = [8, 8, 3, 3]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     type(nlgs_t) :: solver
     type(report_t) :: report
@@ -258,7 +260,7 @@ contains
   !> Each criterion has the value of its definition, and the solver stops at the first sweep that fulfils it.
   subroutine test_criteria()
     real(wp), parameter :: tolerances(7) = [1e-4_wp, 1e-6_wp, 1e-4_wp, 1e-4_wp, 1e-3_wp, 1e-3_wp, 1e-3_wp]
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: start, before, after
     type(nlgs_t) :: solver
     type(report_t) :: report, earlier

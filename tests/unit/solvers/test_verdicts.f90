@@ -1,6 +1,7 @@
 !> Converged is said only of what is right: random piles with disparate masses, huge friction, cohesion that dwarfs weight, loads of
 !! rounding size, by all solvers to all criteria. Each contact is checked against its law by its own records.
 program test_verdicts
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_scene, put_disk, put_polygon, put_wall
   use scenes_space, only: begin_space_scene, put_box, put_plane, put_sphere
@@ -47,7 +48,7 @@ contains
   !> One pile by all solvers, each to a criterion after the other.
   subroutine test_pile(number)
     integer, intent(in) :: number
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: start, problem
     class(solver_t), allocatable :: solver
     type(solver_options_t) :: options
@@ -56,6 +57,7 @@ contains
     character(len=16), allocatable :: methods(:)
     integer :: m, c
 
+    sim => fresh()
     methods = solver_names()
     call draw_pile(number, sim, start)
     do m = 1, size(methods)
@@ -160,7 +162,7 @@ contains
   !> Disks that close with velocities of rounding size, while one of them spins in place: without load only rounding is left to
   !! solve, and the velocity of the spin decides what that is.
   subroutine test_spinning()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     class(solver_t), allocatable :: solver
     type(solver_options_t) :: options
@@ -168,6 +170,7 @@ contains
     real(wp), parameter :: h = 1e-3_wp
     integer :: b, row
 
+    sim => fresh()
     call begin_scene(sim%scene, 2*n_bodies, 0.3_wp, 0.05_wp)
     do b = 1, 2*n_bodies
       row = (b - 1)/4

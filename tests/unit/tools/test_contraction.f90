@@ -1,5 +1,6 @@
 !> Contraction matrices of the dual and of the enriched interface: a closed form, relations between them, and contacts that hold.
 program test_contraction
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use scenes, only: begin_run, begin_scene, hold, put_disk, run
   use scenes_space, only: begin_space_scene, put_sphere
@@ -31,10 +32,11 @@ contains
 
   !> Begin a scene of n grains with the linear law.
   subroutine begin(sim, dimension, n, is_along_normal)
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     integer, intent(in) :: dimension, n
     logical, intent(in) :: is_along_normal
 
+    sim => fresh()
     if (dimension == 2) call begin_scene(sim%scene, n, 0.0_wp, 0.3_wp*radius)
     if (dimension == 3) call begin_space_scene(sim%scene, n, 0.0_wp, 0.3_wp*radius)
     sim%scene%gravity = 0
@@ -72,7 +74,7 @@ contains
   !! and X = 4/m, so that B has one eigenvalue 2/(3 + m epsilon).
   subroutine test_chain(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(contraction_t) :: contraction
     type(error_t), allocatable :: error
     real(wp), allocatable :: b(:, :)
@@ -107,7 +109,7 @@ contains
     integer, intent(in) :: dimension
     logical, intent(in) :: is_along_normal
     real(wp), parameter :: same = 1e-9_wp
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(contraction_t) :: contraction
     type(error_t), allocatable :: error
     real(wp), allocatable :: one(:, :), b(:, :), other(:, :), third(:, :)
@@ -138,7 +140,7 @@ contains
   !> Contacts that all hold are linear interactions with epsilon = 0; where none holds the dual method has nothing to do.
   subroutine test_holding(dimension)
     integer, intent(in) :: dimension
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(contraction_t) :: contraction
     type(error_t), allocatable :: error
     real(wp), allocatable :: b(:, :), other(:, :)
@@ -170,7 +172,7 @@ contains
 
   !> A fixed grain is no unknown, and a subdomain without contacts adds nothing.
   subroutine test_fixed()
-    type(simulation_t) :: sim
+    type(simulation_t), pointer :: sim
     type(contraction_t) :: contraction
     integer :: i
 
@@ -186,7 +188,7 @@ contains
 
   !> A random pile of grains that overlap as they may.
   subroutine make_pile(sim, dimension, is_along_normal)
-    type(simulation_t), intent(out) :: sim
+    type(simulation_t), pointer, intent(out) :: sim
     integer, intent(in) :: dimension
     logical, intent(in) :: is_along_normal
     integer, parameter :: n = 9
