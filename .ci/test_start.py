@@ -1,8 +1,11 @@
-"""`start` on a machine without packages for Python: help installs nothing, and an apt-get that is locked is waited for."""
+"""`start` on a machine without packages for Python: help installs nothing, an apt-get that is locked is waited for, and so is another
+build in the same folder."""
 
 import os
+import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -15,13 +18,21 @@ echo "$@" >>"$MARKS/apt"
 [ "$ENDS" -eq 0 ] || echo 'E: Unable to fetch some archives'
 exit "$ENDS"
 """
+# Leaves a mark when it begins, and one when it ends a moment later.
+CMAKE = """#!/bin/sh
+echo begins >>"$MARKS/cmake"
+/bin/sleep 0.3
+echo ends >>"$MARKS/cmake"
+"""
 
 
 @pytest.fixture
 def start(tmp_path):
-    """Runs `start` with a Python that has the standard library alone, an apt-get that only leaves marks, and a sleep that takes no time."""
+    """Runs `start` with a Python that has the standard library alone, an apt-get and a cmake that only leave marks, and a sleep that takes no
+    time."""
     (tmp_path / "bin").mkdir()
-    programs = {"python3": f'#!/bin/sh\nexec "{sys.executable}" -S "$@"\n', "apt-get": APT, "dpkg-query": "#!/bin/sh\nexit 1\n",
+    programs = {"python3": f'#!/bin/sh\nexec "{sys.executable}" -S "$@"\n', "apt-get": APT, "cmake": CMAKE,
+                "dpkg-query": "#!/bin/sh\nexit 1\n",
                 "sleep": '#!/bin/sh\necho "$1" >>"$MARKS/sleep"\n'}
     for name, text in programs.items():
         (tmp_path / "bin" / name).write_text(text)
@@ -33,7 +44,7 @@ def start(tmp_path):
         environment = {**os.environ, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}", "MARKS": str(tmp_path), "LOCKED": str(locked), "ENDS": str(ends)}
         environment.pop("PYTHONPATH", None)
         done = subprocess.run(["sh", tmp_path / "start", *words], capture_output=True, text=True, env=environment, timeout=60)
-        marks = {name: (tmp_path / name).read_text().splitlines() if (tmp_path / name).exists() else [] for name in ("apt", "sleep")}
+        marks = {name: (tmp_path / name).read_text().splitlines() if (tmp_path / name).exists() else [] for name in ("apt", "cmake", "sleep")}
         return done, marks
 
     return run
@@ -71,3 +82,13 @@ def test_waiting_ends_after_five_minutes(start):
     done, marks = start("look", "scene", "nowhere", locked=1000)
     assert "Could not get lock" in done.stderr and done.returncode != 0
     assert len(marks["sleep"]) == 2 * 300 // 5
+
+
+@needs_root
+@pytest.mark.skipif(shutil.which("flock") is None, reason="without flock builds do not wait for each other")
+def test_two_builds_in_one_folder_wait_for_each_other(start):
+    with ThreadPoolExecutor() as pool:
+        runs = list(pool.map(lambda _: start("build"), range(2)))
+    assert all(done.returncode == 0 for done, _ in runs)
+    # Each configures, since the fake writes no files, and builds.
+    assert max((marks["cmake"] for _, marks in runs), key=len) == ["begins", "ends"] * 4
