@@ -8,7 +8,8 @@ module sg_lists
 
   !> Make the last dimension at least `n`, keeping what is there; grows by half or more
   interface reserve
-    module procedure :: reserve_bytes, reserve_integers, reserve_integer_records, reserve_reals, reserve_real_records
+    module procedure :: reserve_bytes, reserve_integers, reserve_integer_records, reserve_integer_lanes, reserve_reals, &
+      reserve_real_records, reserve_real_lanes
   end interface reserve
 
 contains
@@ -61,6 +62,18 @@ contains
     call move_alloc(grown, list)
   end subroutine reserve_integer_records
 
+  !> Reserve room in a list of groups of integer records side by side.
+  subroutine reserve_integer_lanes(list, n)
+    integer(i4), allocatable, intent(inout) :: list(:, :, :) !! groups, shape (lanes, components, items)
+    integer, intent(in) :: n !! items wanted
+    integer(i4), allocatable :: grown(:, :, :)
+
+    if (size(list, 3) >= n) return
+    allocate (grown(size(list, 1), size(list, 2), room_for(n, size(list, 3))), source=0_i4)
+    grown(:, :, :size(list, 3)) = list
+    call move_alloc(grown, list)
+  end subroutine reserve_integer_lanes
+
   !> Reserve room in a list of reals.
   subroutine reserve_reals(list, n)
     real(wp), allocatable, intent(inout) :: list(:) !! list to grow
@@ -87,6 +100,18 @@ contains
     grown(:, :size(list, 2)) = list
     call move_alloc(grown, list)
   end subroutine reserve_real_records
+
+  !> Reserve room in a list of groups of real records side by side.
+  subroutine reserve_real_lanes(list, n)
+    real(wp), allocatable, intent(inout) :: list(:, :, :) !! groups, shape (lanes, components, items)
+    integer, intent(in) :: n !! items wanted
+    real(wp), allocatable :: grown(:, :, :)
+
+    if (size(list, 3) >= n) return
+    allocate (grown(size(list, 1), size(list, 2), room_for(n, size(list, 3))), source=0.0_wp)
+    grown(:, :, :size(list, 3)) = list
+    call move_alloc(grown, list)
+  end subroutine reserve_real_lanes
 
   !> Copy reals that stand in a row.
   pure subroutine copy_reals(n, from, to)

@@ -5,6 +5,7 @@
 module sg_sweep_solid_order
   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t
   use sg_kinds, only: wp, i4, i8
+  use sg_lists, only: reserve
   use sg_problem, only: problem_t
   use sg_records, only: first_inverse, least_active, least_linear, normal_x, normal_z, record_length, solid_arm_az, solid_bias_x, &
                         solid_bias_y, solid_bias_z, solid_cohesion, solid_compliance_n, solid_compliance_t, solid_friction, &
@@ -12,7 +13,8 @@ module sg_sweep_solid_order
   use sg_vectors, only: cross
   implicit none
   private
-  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, give_rows, put_row_biases, put_rows, lanes, row_length
+  public :: solid_lanes_t, begin_rows, deal_chains, fill_rows, give_rows, put_row_biases, put_rows, reserve_rows, lanes, &
+            row_length
   public :: impulses_of_row, special_length
   public :: row_impulse_n, row_impulse_1, row_impulse_2, row_normal_x, row_normal_y, row_normal_z, row_tangent_x, row_tangent_y
   public :: row_tangent_z, row_arm_cx, row_arm_cy, row_arm_cz, row_arm_ax, row_arm_ay, row_arm_az, row_bias, row_inverse_wnn
@@ -95,6 +97,15 @@ contains
     rows%n_rows = 0
   end subroutine begin_rows
 
+  !> Room for rows of more contacts, beside those dealt.
+  subroutine reserve_rows(rows, contacts)
+    type(solid_lanes_t), intent(inout) :: rows !! begun rows
+    integer, intent(in) :: contacts !! to be dealt, at most, with those that are
+
+    call reserve(rows%last_row, contacts)
+    call reserve(rows%row_size, contacts)
+  end subroutine reserve_rows
+
   !> Deal chosen contacts to rows of new groups, after those that are there.
   pure subroutine deal_chains(chosen, problem, groups_of, contact, rows)
     integer(i4), intent(in), contiguous :: chosen(:) !! contacts to deal, in spatial order
@@ -113,12 +124,12 @@ contains
   end subroutine deal_chains
 
   !> Put slots, impulses and records side by side, from a first group on. Those before it stay, which takes room behind them.
-  pure subroutine fill_rows(problem, contact, rows, first_group, is_done)
+  subroutine fill_rows(problem, contact, rows, first_group, is_done)
     type(problem_t), intent(in) :: problem !! problem to sweep
     integer(i4), intent(in), contiguous :: contact(:) !! its contacts in the order of the rows
     type(solid_lanes_t), intent(inout) :: rows !! dealt rows to fill
     integer, intent(in) :: first_group !! first one to fill
-    logical, intent(out) :: is_done !! always from the first group on
+    logical, intent(out) :: is_done !! not where a law beside rows that stay has no place; always from the first group on
     logical :: is_special, is_found
     integer :: first, e
 
@@ -132,9 +143,11 @@ contains
       call make_room(rows, is_special)
     else
       is_special = is_special .or. any_special(problem, contact(e + 1:))
-      is_done = size(rows%row, 3) >= rows%n_rows .and. size(rows%pair, 3) >= rows%n_groups .and. &
-                (size(rows%special, 3) > 0 .or. .not. is_special)
+      is_done = size(rows%special, 3) > 0 .or. .not. is_special
       is_special = size(rows%special, 3) > 0
+      call reserve(rows%row, rows%n_rows)
+      call reserve(rows%pair, rows%n_groups)
+      if (is_special) call reserve(rows%special, rows%n_rows)
     end if
     if (.not. is_done) return
     call put_side_by_side(problem, contact, rows, first_group, first, e, is_special, is_found)

@@ -9,6 +9,7 @@ module sg_sweep_order
   use sg_group_dealing, only: deal_blocks, deal_lanes, lanes
   use sg_kept_dealing, only: kept_dealing_t
   use sg_kinds, only: wp, i4, i8
+  use sg_lists, only: reserve
   use sg_problem, only: problem_t
   use sg_random, only: random_t
   use sg_records, only: arm_frictional, ball_frictional, impulse_length, record_length, &
@@ -17,7 +18,7 @@ module sg_sweep_order
   use sg_sweep_arm_lanes, only: lane_length_of_arms, put_arm_lanes
   use sg_sweep_ball_lanes, only: put_ball_lanes
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
-  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, solid_lanes_t
+  use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, reserve_rows, solid_lanes_t
   use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   use sg_sweep_round_lanes, only: lane_length_of_disks, plain_length_of_disks, put_round_lanes, shared_of
   implicit none
@@ -223,34 +224,48 @@ contains
     end do
   end subroutine list_missed
 
-  !> Add the first contacts that were missed to groups of their own at the end of an order, if there is room.
+  !> Add the first contacts that were missed to groups of their own at the end of an order. What room there was must not matter: an
+  !! order that goes on from a restart is the same.
   subroutine append(order, problem, missed, is_done)
     type(sweep_order_t), intent(inout) :: order
     type(problem_t), intent(in) :: problem
     integer, intent(in) :: missed
-    logical, intent(out) :: is_done
+    logical, intent(out) :: is_done !! not where a law has no place beside the others
     integer :: first, first_group, first_solid_group
     logical :: are_lanes
 
     first = order%n + 1
     first_group = order%n_groups + 1
     first_solid_group = order%solids%n_groups + 1
-    is_done = order%n + missed <= size(order%contact)
-    if (is_done .and. order%has_copies) is_done = order%n + missed <= size(order%pair, 2)
-    if (.not. is_done) return
     are_lanes = order%n_groups > 0
+    is_done = .true.
     order%serial = order%serial + 1
-    order%chosen(first:first + missed - 1) = order%missed(:missed)
     order%n = order%n + missed
+    call reserve_contacts(order, order%n + 1)
+    order%chosen(first:order%n) = order%missed(:missed)
+    ! Sizes of the groups dealt stay, for the next problem, also where this one has a law that these have no place for.
+    if (.not. are_lanes) order%n_groups = order%dealt%groups(1)
     call deal(order, problem, first, order%n)
     if (.not. are_lanes) order%n_groups = 0
     if (order%has_copies) call fill_copies(order, problem, first)
-    if (are_lanes) then
-      is_done = order%n_groups <= size(order%lane_pair, 3)
-      if (is_done) call fill_lanes(order, problem, first_group, first, is_done)
-    end if
+    if (are_lanes) call fill_lanes(order, problem, first_group, first, is_done)
     if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, first_solid_group, is_done)
   end subroutine append
+
+  !> Room for more contacts, beside those of an order.
+  subroutine reserve_contacts(order, n)
+    type(sweep_order_t), intent(inout) :: order
+    integer, intent(in) :: n
+
+    call reserve(order%contact, n)
+    call reserve(order%chosen, n)
+    if (allocated(order%group_size)) call reserve(order%group_size, n)
+    if (allocated(order%solids%last_row)) call reserve_rows(order%solids, n)
+    if (.not. order%has_copies) return
+    call reserve(order%pair, size(order%pair, 1), n)
+    call reserve(order%record, size(order%record, 1), n)
+    call reserve(order%impulse, size(order%impulse, 1), n)
+  end subroutine reserve_contacts
 
   !> Room for the contacts wanted.
   pure subroutine make_room(order, problem, wanted)
@@ -375,7 +390,10 @@ contains
     logical, intent(out) :: is_done !! false where the law of a contact has no place in lanes
 
     if (first_group > 1) then
-      ! Reals of a lane stay: what does not fit is for an order that is set again.
+      ! Reals of a lane stay: a law that they have no place for is for an order that is set again.
+      call reserve(order%lane_pair, order%n_groups)
+      call reserve(order%lane_record, order%n_groups)
+      call reserve(order%lane_impulse, order%n_groups)
       call share_lanes(order, problem, first_group, order%n_groups, first, is_done)
       return
     end if

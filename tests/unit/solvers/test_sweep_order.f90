@@ -22,10 +22,42 @@ program test_sweep_order
   do i = 1, size(kinds)
     call orders_are_as_new(kinds(i), random)
     call orders_are_refilled(kinds(i), random)
+    call room_does_not_matter(kinds(i), random)
   end do
   call tests%finish()
 
 contains
+
+  !> Contacts of one body, one to a group, are added to an order that has just room for the others, and to one that has held as many
+  !! groups before: both are the same, as those of a run and of one that goes on from its restart must be.
+  subroutine room_does_not_matter(kind, random)
+    integer, intent(in) :: kind
+    type(random_t), intent(inout) :: random
+    type(problem_t) :: problem, crowded
+    type(sweep_order_t) :: order(2)
+    type(solver_options_t) :: options
+    logical, allocatable :: is_wanted(:), is_ordered(:)
+    integer :: k, i
+
+    call make_problem(kind, random, problem)
+    options%order = 'groups'
+    allocate (is_wanted(problem%n_contacts), source=.true.)
+    do k = 1, problem%n_contacts, 20
+      problem%pair(1, k) = merge(1, 2, problem%pair(2, k) > 1)
+      is_wanted(k) = .false.
+    end do
+    crowded = problem
+    crowded%pair(1, :) = merge(1, 2, problem%pair(2, :) > 1)
+    call set_order(order(1), crowded, spread(.true., 1, problem%n_contacts), options)
+    do i = 1, 2
+      call set_order(order(i), problem, is_wanted, options)
+      is_ordered = is_wanted
+      call update_order(order(i), problem, spread(.true., 1, problem%n_contacts), is_ordered, options)
+      call tests%check(all(is_ordered), 'room: the order holds all contacts')
+    end do
+    call tests%check(are_alike(order(1), order(2)), 'room: the same order')
+    call tests%check(any(order(2)%contact(:order(2)%n/2) /= [(k, k=1, order(2)%n/2)]), 'room: contacts were dealt')
+  end subroutine room_does_not_matter
 
   !> An order of other records and impulses, to which contacts were added, gives the impulses of the new problem back and has its
   !! records; and nothing is added again to an order that holds all.
