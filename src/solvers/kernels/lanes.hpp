@@ -35,6 +35,25 @@ inline void ask_records(const int *contact, int left, const double *record) {
   }
 }
 
+// Contacts of a group; the last one once more for each lane to spare.
+struct members {
+  int contact[lanes];
+
+  members(const int *from, int n) {
+    for (int i = 0; i < lanes; ++i) contact[i] = from[i < n ? i : n - 1];
+  }
+};
+
+// Let lanes to spare, from one on, change nothing: the pair of the first lane, no impulse, and a record of zeros.
+template <int components, int length>
+inline void clear_lanes(int from, int *lane_pair, double *lane_record, double *lane_impulse) {
+  for (int i = from; i < lanes; ++i) {
+    for (int side = 0; side < 2; ++side) lane_pair[lanes * side + i] = lane_pair[lanes * side];
+    for (int c = 0; c < components; ++c) lane_impulse[lanes * c + i] = 0;
+    for (int c = 0; c < length; ++c) lane_record[lanes * c + i] = 0;
+  }
+}
+
 // Slots and impulses of four contacts.
 template <int components>
 inline void put_pairs(const int *contact, const int *pair, const double *impulse, int *lane_pair, double *lane_impulse) {

@@ -89,26 +89,39 @@ extern "C" void sg_sweep_arm_groups(int n_groups, const int *pair, const double 
   }
 }
 
-// Put eight contacts side by side; contacts count from one, and so many are left in their list. Are the laws of all unilateral,
-// with friction alone?
-extern "C" void sg_put_arm_group(int left, const int *contact, const int *pair, const double *record, const double *impulse,
-                                int *lane_pair, double *lane_record, double *lane_impulse, int *are_plain) {
+// Put contacts side by side, group by group; contacts count from one, and so many are left in their list. Groups before the
+// first with a law that is not unilateral with friction alone, or with a contact that takes no part, is counted.
+extern "C" void sg_put_arm_groups(int n_groups, const int *group_size, int left, const int *contact, const int *pair,
+                                 const double *record, const double *impulse, int *lane_pair, double *lane_record,
+                                 double *lane_impulse, int *put) {
   const vec plain = {0, 0, 0, 1};
-  mask is_plain = {-1, -1, -1, -1};
-  ask_records<record_length>(contact, left, record);
-  for (int h = 0; h < halves; ++h, contact += width, lane_pair += width, lane_record += width, lane_impulse += width) {
-    const double *row[width];
-    for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(record_length) * (contact[i] - 1);
-    for (int place = 0; place < lane_length; place += width) {
-      vec v[width];
-      for (int i = 0; i < width; ++i) v[i] = load(row[i] + place);
-      transpose(v[0], v[1], v[2], v[3]);
-      for (int i = 0; i < width; ++i) store(v[i], lane_record + lanes * (place + i));
+  for (*put = 0; *put < n_groups; ++*put) {
+    const int n = group_size[*put];
+    const members own(contact, n);
+    mask is_plain = {-1, -1, -1, -1};
+    ask_records<record_length>(contact, left, record);
+    for (int h = 0; h < halves; ++h) {
+      const int *const four = own.contact + width * h;
+      const double *row[width];
+      for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(record_length) * (four[i] - 1);
+      for (int place = 0; place < lane_length; place += width) {
+        vec v[width];
+        for (int i = 0; i < width; ++i) v[i] = load(row[i] + place);
+        transpose(v[0], v[1], v[2], v[3]);
+        for (int i = 0; i < width; ++i) store(v[i], lane_record + lanes * (place + i) + width * h);
+      }
+      for (int i = 0; i < width; ++i) is_plain &= load(row[i] + cohesion) == plain;
+      put_pairs<2>(four, pair, impulse, lane_pair + width * h, lane_impulse + width * h);
     }
-    for (int i = 0; i < width; ++i) is_plain &= load(row[i] + cohesion) == plain;
-    put_pairs<2>(contact, pair, impulse, lane_pair, lane_impulse);
+    if (!(is_plain[0] & is_plain[1] & is_plain[2] & is_plain[3])) return;
+    clear_lanes<2, lane_length>(n, lane_pair, lane_record, lane_impulse);
+    for (int i = n; i < lanes; ++i) {
+      lane_record[lanes * w_nn + i] = 1, lane_record[lanes * w_tt + i] = 1;
+      lane_record[lanes * friction + i] = -1;
+    }
+    contact += n, left -= n;
+    lane_pair += 2 * lanes, lane_record += lane_length * lanes, lane_impulse += 2 * lanes;
   }
-  *are_plain = (is_plain[0] & is_plain[1] & is_plain[2] & is_plain[3]) != 0;
 }
 
 // What errors need of contacts one after the other, four at a time: relative velocities, impulses with cohesion, then friction,

@@ -28,17 +28,19 @@ module sg_sweep_arm_lanes
       real(c_double), intent(inout) :: body(*) !! records of bodies, whose velocities change, shape (body_length, slots)
     end subroutine sweep_arm_lanes
 
-    !> Put eight contacts side by side.
-    pure subroutine put_group(left, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, are_plain) &
-      bind(c, name='sg_put_arm_group')
+    !> Put contacts side by side, up to the first group with a law that has no place in lanes, or with a contact without a part.
+    pure subroutine put_groups(n_groups, group_size, left, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, &
+                               put) bind(c, name='sg_put_arm_groups')
       import :: c_double, c_int
+      integer(c_int), intent(in), value :: n_groups !! groups to put
+      integer(c_int), intent(in) :: group_size(*) !! contacts of each
       integer(c_int), intent(in), value :: left !! contacts that are left in the list
       integer(c_int), intent(in) :: contact(*), pair(*)
       real(c_double), intent(in) :: record(*), impulse(*)
       integer(c_int), intent(inout) :: lane_pair(*)
       real(c_double), intent(inout) :: lane_record(*), lane_impulse(*)
-      integer(c_int), intent(out) :: are_plain !! 0 where a law has no place in lanes
-    end subroutine put_group
+      integer(c_int), intent(out) :: put !! groups put
+    end subroutine put_groups
   end interface
 
 contains
@@ -58,41 +60,52 @@ contains
     real(wp), intent(inout) :: lane_record(lanes, lane_length_of_arms, *) !! records by lanes
     real(wp), intent(inout) :: lane_impulse(lanes, 2, *) !! impulses by lanes
     logical, intent(out) :: is_done !! false where the law of a contact has no place in a lane
-    integer :: g, i, e, k, last
-    integer(c_int) :: are_plain
+    integer :: g, e, last
+    integer(c_int) :: put
 
     e = first - 1
     last = e + sum(group_size(first_group:last_group))
     is_done = .true.
-    do g = first_group, last_group
-      if (group_size(g) == lanes) then
-        call put_group(int(last - e, c_int), contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), lane_record(1, 1, g), &
-                       lane_impulse(1, 1, g), are_plain)
-        if (are_plain > 0) then
-          e = e + lanes
-          cycle
-        end if
-      end if
-      do i = 1, group_size(g)
-        e = e + 1
-        k = contact(e)
-        lane_pair(i, :, g) = pair(:, k)
-        lane_impulse(i, :, g) = impulse(:, k)
-        if (record(arm_law, k) < least_active) then
-          call clear_lane(i, lane_record(:, :, g))
-        else
-          lane_record(i, :, g) = record(:lane_length_of_arms, k)
-          is_done = is_done .and. is_plain(record(:, k))
-        end if
-      end do
-      do i = group_size(g) + 1, lanes
-        lane_pair(i, :, g) = lane_pair(1, :, g)
-        lane_impulse(i, :, g) = 0
-        call clear_lane(i, lane_record(:, :, g))
-      end do
+    g = first_group
+    do
+      call put_groups(int(last_group - g + 1, c_int), group_size(g), int(last - e, c_int), contact(e + 1), pair, record, impulse, &
+                      lane_pair(1, 1, g), lane_record(1, 1, g), lane_impulse(1, 1, g), put)
+      e = e + sum(group_size(g:g + put - 1))
+      g = g + put
+      if (g > last_group) return
+      call put_one_by_one(int(group_size(g)), contact(e + 1), pair, record, impulse, lane_pair(:, :, g), lane_record(:, :, g), &
+                          lane_impulse(:, :, g), is_done)
       if (.not. is_done) return
+      e = e + group_size(g)
+      g = g + 1
+      if (g > last_group) return
     end do
   end subroutine put_arm_lanes
+
+  !> Put the contacts of a group side by side, some of which take no part.
+  pure subroutine put_one_by_one(n, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, is_done)
+    integer, intent(in) :: n
+    integer(i4), intent(in) :: contact(n), pair(2, *)
+    real(wp), intent(in) :: record(record_length(arm_frictional), *), impulse(2, *)
+    integer(i4), intent(inout) :: lane_pair(lanes, 2)
+    real(wp), intent(inout) :: lane_record(lanes, lane_length_of_arms), lane_impulse(lanes, 2)
+    logical, intent(out) :: is_done
+    integer :: i
+
+    is_done = .true.
+    do i = 1, lanes
+      associate (k => contact(min(i, n)))
+        lane_pair(i, :) = pair(:, merge(k, contact(1), i <= n))
+        lane_impulse(i, :) = merge(impulse(:, k), 0.0_wp, i <= n)
+        if (i > n .or. record(arm_law, k) < least_active) then
+          call clear_lane(i, lane_record)
+        else
+          lane_record(i, :) = record(:lane_length_of_arms, k)
+          is_done = is_done .and. is_plain(record(:, k))
+        end if
+      end associate
+    end do
+  end subroutine put_one_by_one
 
   !> Is the law of a contact unilateral, with friction alone?
   pure logical function is_plain(record)

@@ -89,20 +89,30 @@ extern "C" void sg_sweep_ball_groups(int n_groups, const int *pair, const double
   }
 }
 
-// Put eight contacts side by side; contacts count from one, and so many are left in their list.
-extern "C" void sg_put_ball_group(int left, const int *contact, const int *pair, const double *record, const double *impulse,
-                                 int *lane_pair, double *lane_record, double *lane_impulse) {
-  ask_records<lane_length>(contact, left, record);
-  for (int h = 0; h < halves; ++h, contact += width, lane_pair += width, lane_record += width, lane_impulse += width) {
-    const double *row[width];
-    for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(lane_length) * (contact[i] - 1);
-    for (int place = 0; place < friction; place += width) {
-      vec v[width];
-      for (int i = 0; i < width; ++i) v[i] = load(row[i] + place);
-      transpose(v[0], v[1], v[2], v[3]);
-      for (int i = 0; i < width; ++i) store(v[i], lane_record + lanes * (place + i));
+// Put contacts side by side, group by group; contacts count from one, and so many are left in their list.
+extern "C" void sg_put_ball_groups(int n_groups, const int *group_size, int left, const int *contact, const int *pair,
+                                  const double *record, const double *impulse, int *lane_pair, double *lane_record,
+                                  double *lane_impulse) {
+  for (int g = 0; g < n_groups; ++g) {
+    const int n = group_size[g];
+    const members own(contact, n);
+    ask_records<lane_length>(contact, left, record);
+    for (int h = 0; h < halves; ++h) {
+      const int *const four = own.contact + width * h;
+      double *const lane = lane_record + width * h;
+      const double *row[width];
+      for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(lane_length) * (four[i] - 1);
+      for (int place = 0; place < friction; place += width) {
+        vec v[width];
+        for (int i = 0; i < width; ++i) v[i] = load(row[i] + place);
+        transpose(v[0], v[1], v[2], v[3]);
+        for (int i = 0; i < width; ++i) store(v[i], lane + lanes * (place + i));
+      }
+      for (int i = 0; i < width; ++i) lane[lanes * friction + i] = row[i][friction];
+      put_pairs<3>(four, pair, impulse, lane_pair + width * h, lane_impulse + width * h);
     }
-    for (int i = 0; i < width; ++i) lane_record[lanes * friction + i] = row[i][friction];
-    put_pairs<3>(contact, pair, impulse, lane_pair, lane_impulse);
+    clear_lanes<3, lane_length>(n, lane_pair, lane_record, lane_impulse);
+    contact += n, left -= n;
+    lane_pair += 2 * lanes, lane_record += lane_length * lanes, lane_impulse += 3 * lanes;
   }
 }

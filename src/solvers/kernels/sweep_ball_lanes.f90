@@ -24,16 +24,18 @@ module sg_sweep_ball_lanes
       real(c_double), intent(inout) :: body(*) !! records of bodies, whose velocities change, shape (body_length, slots)
     end subroutine sweep_ball_lanes
 
-    !> Put eight contacts side by side.
-    pure subroutine put_group(left, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse) &
-      bind(c, name='sg_put_ball_group')
+    !> Put contacts side by side, group by group.
+    pure subroutine put_groups(n_groups, group_size, left, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse) &
+      bind(c, name='sg_put_ball_groups')
       import :: c_double, c_int
+      integer(c_int), intent(in), value :: n_groups !! groups to put
+      integer(c_int), intent(in) :: group_size(*) !! contacts of each
       integer(c_int), intent(in), value :: left !! contacts that are left in the list
       integer(c_int), intent(in) :: contact(*), pair(*)
       real(c_double), intent(in) :: record(*), impulse(*)
       integer(c_int), intent(inout) :: lane_pair(*)
       real(c_double), intent(inout) :: lane_record(*), lane_impulse(*)
-    end subroutine put_group
+    end subroutine put_groups
   end interface
 
 contains
@@ -52,28 +54,9 @@ contains
     integer(i4), intent(inout) :: lane_pair(lanes, 2, *) !! slots by lanes
     real(wp), intent(inout) :: lane_record(lanes, record_length(ball_frictional), *) !! records by lanes
     real(wp), intent(inout) :: lane_impulse(lanes, 3, *) !! impulses by lanes
-    integer :: g, i, e, last
 
-    e = first - 1
-    last = e + sum(group_size(first_group:last_group))
-    do g = first_group, last_group
-      if (group_size(g) == lanes) then
-        call put_group(int(last - e, c_int), contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), lane_record(1, 1, g), &
-                       lane_impulse(1, 1, g))
-        e = e + lanes
-        cycle
-      end if
-      do i = 1, group_size(g)
-        e = e + 1
-        lane_pair(i, :, g) = pair(:, contact(e))
-        lane_record(i, :, g) = record(:, contact(e))
-        lane_impulse(i, :, g) = impulse(:, contact(e))
-      end do
-      do i = group_size(g) + 1, lanes
-        lane_pair(i, :, g) = lane_pair(1, :, g)
-        lane_record(i, :, g) = 0
-        lane_impulse(i, :, g) = 0
-      end do
-    end do
+    call put_groups(int(last_group - first_group + 1, c_int), group_size(first_group), &
+                    sum(group_size(first_group:last_group)), contact(first), pair, record, impulse, lane_pair(1, 1, first_group), &
+                    lane_record(1, 1, first_group), lane_impulse(1, 1, first_group))
   end subroutine put_ball_lanes
 end module sg_sweep_ball_lanes

@@ -58,32 +58,42 @@ extern "C" void sg_sweep_round_groups(int n_groups, int are_plain, int n_bodies,
   kernel(n_groups, pair, record, shared, relaxation, impulse, body);
 }
 
-// Put eight contacts side by side; contacts count from one, and so many are left in their list. Where records are to be plain: are
-// they?
-extern "C" void sg_put_round_group(int left, int are_plain, const double *shared, const int *contact, const int *pair,
-                                  const double *record, const double *impulse, int *lane_pair, double *lane_record,
-                                  double *lane_impulse, int *is_done) {
+// Put contacts side by side, group by group; contacts count from one, and so many are left in their list. Where records are to be
+// plain: are they?
+extern "C" void sg_put_round_groups(int n_groups, const int *group_size, int left, int are_plain, const double *shared,
+                                  const int *contact, const int *pair, const double *record, const double *impulse, int *lane_pair,
+                                  double *lane_record, double *lane_impulse, int *is_done) {
   constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
   const vec none = {};
   mask differs = {};
-  ask_records<full_length>(contact, left, record);
-  for (int h = 0; h < halves; ++h, contact += width, lane_pair += width, lane_record += width, lane_impulse += width) {
-    const double *row[width];
-    for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(full_length) * (contact[i] - 1);
-    vec one[width], other[width];    // normal and bias; then bias along the tangent once more, and the rest
-    for (int i = 0; i < width; ++i) one[i] = load(row[i]);
-    for (int i = 0; i < width; ++i) other[i] = load(row[i] + bias_t);
-    transpose(one[0], one[1], one[2], one[3]);
-    transpose(other[0], other[1], other[2], other[3]);
-    for (int i = 0; i < bias_t; ++i) store(one[i], lane_record + lanes * i);
-    if (are_plain) {
-      const vec error = other[2] - shared[1] * other[1], size = error < none ? -error : error;
-      differs |= (other[0] != none) | (other[3] != none + shared[0]) | (size > rounding * other[2]);
-      store(other[1], lane_record + lanes * plain_inverse_wnn);
-    } else {
-      for (int i = 0; i < width; ++i) store(other[i], lane_record + lanes * (bias_t + i));
+  for (int g = 0; g < n_groups; ++g) {
+    const int n = group_size[g];
+    const members own(contact, n);
+    ask_records<full_length>(contact, left, record);
+    for (int h = 0; h < halves; ++h) {
+      const int *const four = own.contact + width * h;
+      double *const lane = lane_record + width * h;
+      const double *row[width];
+      for (int i = 0; i < width; ++i) row[i] = record + static_cast<long>(full_length) * (four[i] - 1);
+      vec one[width], other[width];    // normal and bias; then bias along the tangent once more, and the rest
+      for (int i = 0; i < width; ++i) one[i] = load(row[i]);
+      for (int i = 0; i < width; ++i) other[i] = load(row[i] + bias_t);
+      transpose(one[0], one[1], one[2], one[3]);
+      transpose(other[0], other[1], other[2], other[3]);
+      for (int i = 0; i < bias_t; ++i) store(one[i], lane + lanes * i);
+      if (are_plain) {
+        const vec error = other[2] - shared[1] * other[1], size = error < none ? -error : error;
+        differs |= (other[0] != none) | (other[3] != none + shared[0]) | (size > rounding * other[2]);
+        store(other[1], lane + lanes * plain_inverse_wnn);
+      } else {
+        for (int i = 0; i < width; ++i) store(other[i], lane + lanes * (bias_t + i));
+      }
+      put_pairs<2>(four, pair, impulse, lane_pair + width * h, lane_impulse + width * h);
     }
-    put_pairs<2>(contact, pair, impulse, lane_pair, lane_impulse);
+    if (are_plain) clear_lanes<2, plain_length>(n, lane_pair, lane_record, lane_impulse);
+    else clear_lanes<2, full_length>(n, lane_pair, lane_record, lane_impulse);
+    contact += n, left -= n;
+    lane_pair += 2 * lanes, lane_record += (are_plain ? int{plain_length} : int{full_length}) * lanes, lane_impulse += 2 * lanes;
   }
   *is_done = (differs[0] | differs[1] | differs[2] | differs[3]) == 0;
 }

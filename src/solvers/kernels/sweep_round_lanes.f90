@@ -8,16 +8,13 @@ module sg_sweep_round_lanes
   use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_group_dealing, only: lanes
   use sg_kinds, only: wp, i4
-  use sg_records, only: normal_x, normal_y, record_length, round_bias_n, round_bias_t, round_friction, round_frictional, &
-                        round_inverse_wnn, round_inverse_wtt
+  use sg_records, only: record_length, round_friction, round_frictional, round_inverse_wnn, round_inverse_wtt
   implicit none
   private
   public :: lane_length_of_disks, plain_length_of_disks, put_round_lanes, shared_of, sweep_round_lanes
 
   !> Reals of a contact in a lane, where all are plain, and where they are not and records are those of sg_records
   integer, parameter :: plain_length_of_disks = 4, lane_length_of_disks = round_friction
-  !> Relative difference of ratios that rounding leaves
-  real(wp), parameter :: rounding = 8*epsilon(1.0_wp)
 
   interface
     !> One sweep with Coulomb friction, group by group.
@@ -35,10 +32,12 @@ module sg_sweep_round_lanes
       real(c_double), intent(inout) :: body(*) !! records of bodies, whose velocities change, shape (body_length, slots)
     end subroutine sweep_round_lanes
 
-    !> Put eight contacts side by side.
-    pure subroutine put_group(left, are_plain, shared, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, &
-                              is_done) bind(c, name='sg_put_round_group')
+    !> Put contacts side by side, group by group.
+    pure subroutine put_groups(n_groups, group_size, left, are_plain, shared, contact, pair, record, impulse, lane_pair, &
+                               lane_record, lane_impulse, is_done) bind(c, name='sg_put_round_groups')
       import :: c_double, c_int
+      integer(c_int), intent(in), value :: n_groups !! groups to put
+      integer(c_int), intent(in) :: group_size(*) !! contacts of each
       integer(c_int), intent(in), value :: left !! contacts that are left in the list
       integer(c_int), intent(in), value :: are_plain !! 1 where records are to be plain, else 0
       real(c_double), intent(in) :: shared(2) !! friction and ratio that plain records share
@@ -47,7 +46,7 @@ module sg_sweep_round_lanes
       integer(c_int), intent(inout) :: lane_pair(*)
       real(c_double), intent(inout) :: lane_record(*), lane_impulse(*)
       integer(c_int), intent(out) :: is_done !! 0 where records are to be plain and one is not
-    end subroutine put_group
+    end subroutine put_groups
   end interface
 
 contains
@@ -88,57 +87,12 @@ contains
     real(wp), intent(inout) :: lane_record(lanes, length, *) !! records by lanes
     real(wp), intent(inout) :: lane_impulse(lanes, 2, *) !! impulses by lanes
     logical, intent(out) :: is_done !! false where records should be plain, and one is not
-    integer :: g, e, last
-    integer(c_int) :: flag, is_put
+    integer(c_int) :: flag
 
-    flag = merge(1_c_int, 0_c_int, length == plain_length_of_disks)
-    is_done = .true.
-    e = first - 1
-    last = e + sum(group_size(first_group:last_group))
-    do g = first_group, last_group
-      if (group_size(g) == lanes) then
-        call put_group(int(last - e, c_int), flag, shared, contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), &
-                       lane_record(1, 1, g), lane_impulse(1, 1, g), is_put)
-      else
-        call put_some(int(group_size(g)), length, shared, contact(e + 1), pair, record, impulse, lane_pair(1, 1, g), &
-                      lane_record(1, 1, g), lane_impulse(1, 1, g), is_put)
-      end if
-      e = e + group_size(g)
-      if (is_put > 0) cycle
-      is_done = .false.
-      return
-    end do
+    call put_groups(int(last_group - first_group + 1, c_int), group_size(first_group), &
+                    sum(group_size(first_group:last_group)), merge(1_c_int, 0_c_int, length == plain_length_of_disks), shared, &
+                    contact(first), pair, record, impulse, lane_pair(1, 1, first_group), lane_record(1, 1, first_group), &
+                    lane_impulse(1, 1, first_group), flag)
+    is_done = flag > 0
   end subroutine put_round_lanes
-
-  !> Put a few contacts side by side; other lanes change nothing.
-  pure subroutine put_some(n, length, shared, contact, pair, record, impulse, lane_pair, lane_record, lane_impulse, is_done)
-    integer, intent(in) :: n, length
-    real(wp), intent(in) :: shared(2)
-    integer(i4), intent(in) :: contact(n), pair(2, *)
-    real(wp), intent(in) :: record(record_length(round_frictional), *), impulse(2, *)
-    integer(i4), intent(inout) :: lane_pair(lanes, 2)
-    real(wp), intent(inout) :: lane_record(lanes, length), lane_impulse(lanes, 2)
-    integer(c_int), intent(out) :: is_done
-    integer :: i
-
-    is_done = 1
-    lane_record = 0
-    lane_impulse = 0
-    do i = 1, n
-      associate (own => record(:, contact(i)))
-        if (length > plain_length_of_disks) then
-          lane_record(i, :) = own
-        else
-          lane_record(i, :) = own([normal_x, normal_y, round_bias_n, round_inverse_wnn])
-          if (abs(own(round_friction) - shared(1)) > 0 .or. abs(own(round_bias_t)) > 0 &
-              .or. abs(own(round_inverse_wtt) - shared(2)*own(round_inverse_wnn)) > rounding*own(round_inverse_wtt)) is_done = 0
-        end if
-      end associate
-      lane_pair(i, :) = pair(:, contact(i))
-      lane_impulse(i, :) = impulse(:, contact(i))
-    end do
-    do i = n + 1, lanes
-      lane_pair(i, :) = lane_pair(1, :)
-    end do
-  end subroutine put_some
 end module sg_sweep_round_lanes
