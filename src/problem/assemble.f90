@@ -78,12 +78,14 @@ contains
       do k = 1, contacts%n
         call law_of_contact(scene, contacts, k, time_step, law)
         call put_contact(scene, pairs, contacts, k, law, problem)
+        problem%opening(k) = huge(1.0_wp)
         if (.not. law%is_active) cycle
         q = compact_velocity(problem, k)
+        problem%opening(k) = opening_of(kind, law, problem%record(:, k), q)
         squares = squares + sum(q**2)
         if (has_moments(kind)) squares = squares + sum(scaled_spin(problem, k)**2)
         problem%most_friction = max(problem%most_friction, largest_bound(kind, law, problem%record(:, k)))
-        if (closes(kind, law, problem%record(:, k), q)) problem%closing_speed = max(problem%closing_speed, norm2(q))
+        if (problem%opening(k) < 0) problem%closing_speed = max(problem%closing_speed, norm2(q))
         held = max(held, held_speed(kind, law, problem%record(:, k)))
         problem%impulse(:force_length(kind), k) = contacts%impulse(:, k)
         if (any(law%moment_arm > 0)) problem%impulse(force_length(kind) + 1:, k) = &
@@ -132,17 +134,16 @@ contains
     problem%impulse(:, k) = 0
   end subroutine put_contact
 
-  !> Does a contact need an impulse to obey its law? One that opens without does not, unless something holds it.
-  pure logical function closes(kind, law, record, q)
+  !> Normal relative velocity without impulses; lowest where something may hold a contact that opens.
+  pure real(wp) function opening_of(kind, law, record, q) result(opening)
     integer, intent(in) :: kind
     type(local_law_t), intent(in) :: law
     real(wp), intent(in) :: record(:), q(3) !! its record, and relative velocity without impulses [m/s]
-    real(wp) :: normal
 
-    normal = q(1)
-    if (kind == ball_frictional .or. plain_kind(kind) == solid_frictional) normal = dot_product(record(normal_x:normal_z), q)
-    closes = law%is_linear .or. law%cohesion > 0 .or. maxval(law%stiffness) > 0 .or. normal < 0
-  end function closes
+    opening = q(1)
+    if (kind == ball_frictional .or. plain_kind(kind) == solid_frictional) opening = dot_product(record(normal_x:normal_z), q)
+    if (law%is_linear .or. law%cohesion > 0 .or. maxval(law%stiffness) > 0) opening = -huge(1.0_wp)
+  end function opening_of
 
   !> Friction of a contact, and what bounds its moments in the units of impulses, as one number: by so much a slip can hide a normal
   !! velocity in errors.

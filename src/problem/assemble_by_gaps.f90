@@ -152,6 +152,7 @@ contains
           call assemble_solids(scene, contacts, first, n, bias, friction, goes_on, problem, q, opening)
         end select
       end associate
+      problem%opening(first:last) = opening(:n)
       squares(c) = 0
       call add_free_velocities(n, q, opening, friction, squares(c), fastest, closing_speed, most_friction)
     end do

@@ -19,6 +19,9 @@ module sg_problem
     real(wp), allocatable :: record(:, :)
     !> Impulses, shape (impulse_length, contacts): the guess, then the solution
     real(wp), allocatable :: impulse(:, :)
+    !> Normal relative velocities without impulses, with bias [m/s], shape (contacts): highest where a contact takes no part, lowest
+    !! where it has more than unilateral contact and friction, or where nothing is known
+    real(wp), allocatable :: opening(:)
     !> Velocities and inverse masses by slot, shape (body_length, bodies): free velocities, then the solution
     real(wp), allocatable :: body(:, :)
     !> Norm of q, the relative velocities (with bias) without impulses [m/s]
@@ -71,9 +74,11 @@ contains
     problem%n_contacts = n_contacts
     if (fits) return
     if (allocated(problem%record)) deallocate (problem%record, problem%impulse, problem%pair, problem%body)
+    if (allocated(problem%opening)) deallocate (problem%opening)
     allocate (problem%pair(2, room(n_contacts)), source=0_i4)
     allocate (problem%record(record_length(kind), room(n_contacts)), source=0.0_wp)
     allocate (problem%impulse(impulse_length(kind), room(n_contacts)), source=0.0_wp)
+    allocate (problem%opening(room(n_contacts)), source=-huge(1.0_wp))
     allocate (problem%body(body_length(kind), n_bodies), source=0.0_wp)
   end subroutine reserve_problem
 
@@ -94,7 +99,7 @@ contains
     now = 0
     if (allocated(problem%record)) now = size(problem%record, 2)
     bytes = 0
-    if (now < n_contacts) bytes = int(8 + 8*(record_length(kind) + impulse_length(kind)), i8)*int(room(n_contacts) - now, i8)
+    if (now < n_contacts) bytes = int(16 + 8*(record_length(kind) + impulse_length(kind)), i8)*int(room(n_contacts) - now, i8)
   end function growth_of_problem
 
   !> Bytes that a sweep needs to hold per contact, bodies included.

@@ -152,6 +152,7 @@ contains
     call tables%note('pair', problem%pair)
     call tables%note('record', problem%record)
     call tables%note('impulse', problem%impulse)
+    call tables%note('opening', problem%opening)
     call tables%begin(name, per_body)
     call tables%note('body', problem%body)
   end subroutine list_problem

@@ -71,7 +71,13 @@ contains
       solved = problem
       call add_impulses(solved)
       call active_set%begin(problem%n_contacts, .false.)
-      if (any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) then
+      call active_set%look(problem)
+      if (.not. any(active_set%is_wanted(:problem%n_contacts))) then
+        call active_set%want_all(problem%n_contacts)
+      else if (active_set%is_calm) then
+        call active_set%choose_by_guess(problem)
+      else
+        call active_set%reserve(problem%n_contacts)
         call measure_errors(solved, report, with_e1=.false., closing=active_set%closing)
         call active_set%choose(problem%n_contacts, report)
       end if

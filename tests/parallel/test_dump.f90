@@ -23,7 +23,7 @@ module breaking_solver
 
 contains
 
-  !> Solve, and give the first slot of the last rank an infinite velocity before the errors are measured.
+  !> Solve, and give a body of the last rank that others touch an infinite velocity before the errors are measured.
   subroutine breaking_solve(self, problem, coupling, comm, report)
     class(breaking_solver_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem to spoil
@@ -32,7 +32,7 @@ contains
     type(report_t), intent(out) :: report !! effort and errors
 
     call self%dual_t%solve_coupled(problem, coupling, comm, report)
-    if (comm%rank == comm%size - 1) problem%body(velocity_x, 1) = ieee_value(1.0_wp, ieee_positive_inf)
+    if (comm%rank == comm%size - 1) problem%body(velocity_x, problem%pair(1, 1)) = ieee_value(1.0_wp, ieee_positive_inf)
     call self%errors%begin(problem, .true., self%sets, comm)
     call self%errors%finish(report, comm)
   end subroutine breaking_solve

@@ -67,11 +67,11 @@ contains
   pure logical function kept_dealing_holds(self, problem, is_wanted) result(holds)
     class(kept_dealing_t), intent(in) :: self
     type(problem_t), intent(in) :: problem !! problem to sweep
-    logical, intent(in), contiguous, optional :: is_wanted(:) !! which of its contacts are to be dealt, shape (contacts); the same
+    logical, intent(in), contiguous :: is_wanted(:) !! which of its contacts are to be dealt, shape (contacts)
 
     holds = self%n > 0 .and. problem%kind == self%kind .and. problem%n_contacts == self%n_contacts &
             .and. problem%n_bodies == self%n_bodies
-    if (holds .and. present(is_wanted)) holds = are_same_marks(self%n_contacts, self%is_dealt, is_wanted)
+    if (holds) holds = are_same_marks(self%n_contacts, self%is_dealt, is_wanted)
     if (holds) holds = are_same_slots(2*self%n_contacts, self%slots, problem%pair)
     if (holds) holds = do_same_move(self%n_bodies, body_length(self%kind), first_inverse(self%kind), problem%body, self%moves)
   end function kept_dealing_holds

@@ -6,7 +6,7 @@ module sg_contact_sets
   use sg_delassus, only: set_block
   use sg_kinds, only: wp, i4, i8
   use sg_nesterov, only: nesterov_t
-  use sg_order_errors, only: holds_most, order_errors_t
+  use sg_order_errors, only: order_errors_t
   use sg_order_tables, only: list_order
   use sg_order_values, only: give_impulses, put_biases
   use sg_problem, only: problem_t
@@ -15,7 +15,7 @@ module sg_contact_sets
   use sg_run_options, only: solver_options_t
   use sg_solved_clusters, only: solved_clusters_t
   use sg_residuals, only: n_error_sums
-  use sg_sweep_order, only: refill_order, sweep_order_t, take_last_order, update_order
+  use sg_sweep_order, only: refill_order, sweep_order_t, update_order
   use sg_sweeps, only: sweep
   use sg_tables, only: per_contact, tables_t
   implicit none
@@ -47,15 +47,9 @@ module sg_contact_sets
     !> Do the orders hold contacts of this problem yet? And if not, those of the problem before, which are the same?
     logical :: is_arranged = .false.
     logical, private :: holds_last = .false.
-    !> Did they in the solve before?
-    logical, private :: was_arranged = .false.
-    !> Was the order of the last problem taken as a guess of the first choice, to which it must be the same? And had the last
-    !! problem the groups of the one before, so that a guess is likely to be right?
-    logical, private :: is_guessed = .false., is_settled = .true.
   contains
     procedure :: begin => sets_begin
     procedure :: split => sets_split
-    procedure :: take_last => sets_take_last
     procedure :: arrange => sets_arrange
     procedure :: measure => sets_measure
     procedure :: find_worst => sets_find_worst
@@ -85,8 +79,6 @@ contains
     call self%clusters%begin()
     call self%active_set%begin(problem%n_contacts, self%holds_last)
     call self%errors%begin()
-    self%is_guessed = .false.
-    self%was_arranged = self%is_arranged
     self%is_arranged = .false.
   end subroutine sets_begin
 
@@ -115,31 +107,6 @@ contains
     end do
   end subroutine sets_split
 
-  !> Take the order of the last problem before the first test, where that can be, so that contacts are tested side by side.
-  subroutine sets_take_last(self, problem)
-    class(contact_sets_t), intent(inout) :: self
-    type(problem_t), intent(in) :: problem !! problem with its present impulses
-
-    if (.not. can_take_last(self, problem)) return
-    associate (n => problem%n_contacts)
-      call take_last_order(self%order(1), problem, self%holds_last, self%active_set%is_ordered(:n), self%is_arranged)
-    end associate
-    self%is_guessed = self%is_arranged .and. .not. self%holds_last
-    self%holds_last = self%holds_last .and. self%order(1)%n > 0
-  end subroutine sets_take_last
-
-  !> May the order of the last problem be that of this one?
-  pure logical function can_take_last(self, problem)
-    class(contact_sets_t), intent(in) :: self
-    type(problem_t), intent(in) :: problem
-
-    can_take_last = self%n == 1 .and. .not. problem%cell%is_on &
-                    .and. (self%holds_last .or. (self%was_arranged .and. self%is_settled .and. &
-                                                 any(self%options%order == ['groups  ', 'coloured'])))
-    if (can_take_last) can_take_last = size(self%order) == 1
-    if (can_take_last) can_take_last = holds_most(merge(self%order(1)%n, self%order(1)%dealt%n, self%holds_last), problem)
-  end function can_take_last
-
   !> Sum the errors of the contacts from their records in the order, where that can be.
   subroutine sets_measure(self, problem, with_e1, sums)
     class(contact_sets_t), intent(inout) :: self !! its errors are set, or not
@@ -167,21 +134,12 @@ contains
     class(contact_sets_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem !! problem with its present impulses; it comes back unchanged
     logical, allocatable :: is_ordered(:)
-    logical :: is_first
     integer :: s
 
-    is_first = .not. self%is_arranged
-    if (is_first) call begin_orders(self, problem)
+    if (.not. self%is_arranged) call begin_orders(self, problem)
     associate (n => problem%n_contacts, active_set => self%active_set)
-      if (self%is_guessed) then
-        self%is_guessed = .false.
-        self%is_settled = count(active_set%is_wanted(:n) .neqv. active_set%is_ordered(:n)) == 0
-        if (self%is_settled) return
-        self%order(1)%n = 0
-      end if
       if (self%n == 1) then
         call update_order(self%order(1), problem, active_set%is_wanted(:n), active_set%is_ordered(:n), self%options)
-        if (is_first) self%is_settled = self%order(1)%has_last_groups
         return
       end if
       call swap_records(self, problem)

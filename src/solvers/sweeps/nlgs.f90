@@ -119,7 +119,8 @@ contains
 
     self%errors%criterion = self%options%criterion
     self%errors%with_change = self%sets%nesterov%is_on .and. self%options%criterion == criterion_estimate
-    call self%errors%prepare(problem, comm)
+    call self%sets%active_set%look(problem)
+    call self%errors%prepare(problem, self%sets%active_set%is_calm, comm)
   end subroutine nlgs_prepare_errors
 
   !> Is the problem solved without impulses? Where none are guessed and no contact closes, one test finds out, and no sweep is
@@ -138,8 +139,9 @@ contains
     report%is_converged = report%violation <= 0
   end subroutine find_free
 
-  !> Begin with all contacts; or, where impulses are guessed, without those that the guess opens for good. The first test brings
-  !! back contacts that it missed; criteria that look at increments begin with all, since increments are of no contact left out.
+  !> Begin with all contacts; or, where impulses are guessed, without those that stay open: in a calm problem by what opens without
+  !! impulses, else by a test. Later tests bring back contacts that were missed. Criteria that look at increments begin with all,
+  !! since increments are of no contact left out.
   subroutine choose_first(self, problem, comm, report)
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem
@@ -147,15 +149,18 @@ contains
     type(report_t), intent(inout) :: report
 
     if (self%trace%is_on) call self%note(problem, comm, report)
-    if (self%errors%is_guessed .and. looks_at_errors(self%options%criterion)) then
+    if (.not. (self%errors%is_guessed .and. looks_at_errors(self%options%criterion))) then
+      call self%sets%active_set%want_all(problem%n_contacts)
+    else if (self%errors%is_calm .and. .not. problem%cell%is_on) then
+      call self%sets%active_set%choose_by_guess(problem)
+    else
       call gather(self, problem, comm)
-      call self%sets%take_last(problem)
       call self%errors%begin(problem, .false., self%sets, comm)
       call self%errors%finish(report, comm)
       call self%sets%choose(problem, report, 0.0_wp)
-    else
-      call self%sets%arrange(problem)
+      return
     end if
+    call self%sets%arrange(problem)
   end subroutine choose_first
 
   !> Rounds until the criterion holds. Where ranks share the problem, the sums of a test travel while the next round begins, which

@@ -17,7 +17,7 @@ module sg_order_errors
   use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   implicit none
   private
-  public :: order_errors_t, holds_most
+  public :: order_errors_t
 
   !> Least share of the contacts that an order has to hold: the others are copied
   real(wp), parameter :: least_share = 0.75_wp
@@ -68,14 +68,15 @@ contains
     real(wp), intent(out) :: sums(n_error_sums) !! the sums, where it is set
     real(wp) :: sums_of_others(n_error_sums)
 
-    self%is_set = order%n_groups > 0 .and. holds_most(order%n, problem)
+    self%is_set = order%n_groups > 0 .and. real(order%n, wp) >= least_share*real(problem%n_contacts, wp)
     if (.not. self%is_set) return
     call make_room(self, order%n_groups, problem%n_contacts)
     call measure_groups(self, problem, order, with_e1, sums)
     if (.not. self%is_set) return
     ! Neither their records nor their impulses change in a solve, except by rates of a cell.
     if (self%serial /= order%serial .or. problem%cell%is_on) then
-      call list_others(is_ordered(:problem%n_contacts), self%n_others, self%other)
+      self%n_others = 0
+      if (order%n < problem%n_contacts) call list_others(is_ordered(:problem%n_contacts), self%n_others, self%other)
       call copy_others(self, problem, order%serial)
     end if
     if (self%n_others == 0) return
@@ -84,14 +85,6 @@ contains
     call move_alloc(self%part%body, problem%body)
     sums = sums + sums_of_others
   end subroutine order_errors_measure
-
-  !> Do so many contacts of a problem leave few others?
-  pure logical function holds_most(n, problem)
-    integer, intent(in) :: n !! contacts
-    type(problem_t), intent(in) :: problem !! their problem
-
-    holds_most = real(n, wp) >= least_share*real(problem%n_contacts, wp)
-  end function holds_most
 
   !> Room for groups and contacts.
   pure subroutine make_room(self, groups, contacts)

@@ -23,7 +23,7 @@ module sg_sweep_order
   use sg_sweep_round_lanes, only: lane_length_of_disks, plain_length_of_disks, put_round_lanes, shared_of
   implicit none
   private
-  public :: sweep_order_t, set_order, update_order, refill_order, take_last_order
+  public :: sweep_order_t, set_order, slack, update_order, refill_order
 
   !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
@@ -124,33 +124,6 @@ contains
     if (order%n_groups > 0) call fill_lanes(order, problem, 1, 1, is_done)
     if (is_done) call fill_others(order, problem)
   end subroutine refill_order
-
-  !> Take the order of the last problem, where it holds contacts side by side alone: as it is, if the problem goes on from the last
-  !! one; else without contacts that were added to it, if the problem has the same contacts and bodies.
-  subroutine take_last_order(order, problem, goes_on, is_ordered, is_done)
-    type(sweep_order_t), intent(inout) :: order !! its copies are set
-    type(problem_t), intent(in) :: problem !! problem to sweep
-    logical, intent(in) :: goes_on !! does the problem go on?
-    logical, intent(inout), contiguous :: is_ordered(:) !! which contacts the order holds
-    logical, intent(out) :: is_done !! was it taken?
-
-    if (goes_on) then
-      is_done = order%n_groups > 0 .and. .not. order%has_copies
-      if (.not. is_done) return
-    else
-      is_done = order%dealt%groups(1) > 0
-      if (is_done) is_done = order%dealt%holds(problem)
-      if (.not. is_done) return
-      call take_groups(order)
-      order%serial = order%serial + 1
-      order%has_copies = .false.
-      is_ordered = order%dealt%is_dealt(:size(is_ordered))
-    end if
-    call fill_lanes(order, problem, 1, 1, is_done)
-    if (is_done) return
-    order%n = 0
-    is_ordered = .false.
-  end subroutine take_last_order
 
   !> Copies one by one, and rows of solids.
   subroutine fill_others(order, problem)

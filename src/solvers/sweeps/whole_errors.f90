@@ -27,8 +27,8 @@ module sg_whole_errors
     type(scales_t) :: scales
     !> Mean over all contacts of the squares that e8 is made of, at the last sum taken [N2 s2]
     real(wp) :: mean_square = 0
-    !> Are impulses guessed, on any rank?
-    logical :: is_guessed = .false.
+    !> Are impulses guessed, on any rank? Are all parts calm?
+    logical :: is_guessed = .false., is_calm = .false.
     !> What is being summed: e1 too? And contacts of this rank that carry an impulse
     logical, private :: with_e1 = .false.
     integer, private :: active = 0
@@ -70,18 +70,19 @@ contains
   end function square_of_change
 
   !> Find the scales of a problem that is about to be solved. Collective.
-  subroutine errors_prepare(self, problem, comm)
+  subroutine errors_prepare(self, problem, is_calm, comm)
     class(whole_errors_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem !! this rank's part, with free velocities
+    logical, intent(in) :: is_calm !! is this part calm (sg_active_set)?
     type(comm_t), intent(inout) :: comm !! the ranks
-    real(wp) :: sums(2), largest(4)
+    real(wp) :: sums(2), largest(5)
 
     self%scales = scales_of(problem)
     self%has_bounds = .false.
     if (self%with_change) self%start = problem%impulse(:, :problem%n_contacts)
     self%contacts = problem%n_contacts
     self%free_norm = problem%free_norm
-    largest = [self%scales%fastest, 0.0_wp, self%scales%closing, self%scales%friction]
+    largest = [self%scales%fastest, 0.0_wp, self%scales%closing, self%scales%friction, merge(0.0_wp, 1.0_wp, is_calm)]
     if (any(abs(problem%impulse(:, :problem%n_contacts)) > 0)) largest(2) = 1
     if (comm%size > 1) then
       ! A count travels with reals where that saves a message per step.
@@ -92,6 +93,7 @@ contains
     end if
     call comm%maximum(largest)
     self%is_guessed = largest(2) > 0
+    self%is_calm = .not. largest(5) > 0
     self%scales%contacts = self%contacts
     self%scales%fastest = largest(1)
     self%scales%velocity = problem%fall_speed
@@ -134,7 +136,8 @@ contains
     self%has_bounds = with_e1
     call sets%measure(problem, with_e1, sums(:n_error_sums))
     if (.not. sets%errors%is_set) call sum_one_by_one(self, problem, with_e1, sets, sums(:n_error_sums))
-    if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, are_finite(size(problem%body), problem%body))
+    ! A velocity that is not finite is one of its contacts, too; bodies without contacts keep their free velocities.
+    if (with_e1) sums(n_error_sums + 1) = merge(0.0_wp, 1.0_wp, are_finite(n_error_sums, sums))
     sums(n_error_sums + 2) = square_of_change(self, problem)
     increments = 0
     if (.not. looks_at_errors(self%criterion)) call measure_increments(self, problem, sets, increments)
@@ -151,6 +154,7 @@ contains
     type(contact_sets_t), intent(inout) :: sets
     real(wp), intent(out) :: sums(n_error_sums)
 
+    call sets%active_set%reserve(problem%n_contacts)
     if (sets%clusters%are_sought) then
       call sum_errors(problem, with_e1, sums, sets%clusters%squares, sets%active_set%closing, self%bounds)
     else
