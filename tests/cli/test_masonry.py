@@ -132,9 +132,10 @@ class Masonry(ProgramCase):
         """The wall stands up to the multiplier of limit analysis; its speed then grows as the square of the time."""
         wanted = load_multiplier(*brick_wall(6, 2, 0.24, 0.12, 1e-3), 0.75)
         self.assertAlmostEqual(wanted, load_multiplier(*brick_wall(6, 2, 0.24, 0.12, 1e-3), 0.6), delta=1e-9)
-        self.run_deck("pushed_wall.toml")
+        # What a standing wall moves by is what solves leave: up to 4e-4 m/s at an e8 of 1e-5, 1.4e-5 at 1e-6, 1.7e-6 at 1e-7.
+        self.run_deck("pushed_wall.toml", "--set", "solver.tolerance=1e-6")
         rows = [(0.2 * float(row["time"]), float(row["max_velocity"])) for row in self.rows()]
-        self.assertLess(max(speed for push, speed in rows if push < 0.98 * wanted), 3e-4)
+        self.assertLess(max(speed for push, speed in rows if push < 0.98 * wanted), 1e-4)
         (a, slow), (b, fast) = [next(row for row in rows if row[1] > speed) for speed in (5e-3, 1.5e-2)]
         begin = a - (b - a) * math.sqrt(slow) / (math.sqrt(fast) - math.sqrt(slow))
         self.assertAlmostEqual(begin / wanted, 1.0, delta=0.005)
