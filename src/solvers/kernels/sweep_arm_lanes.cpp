@@ -89,8 +89,8 @@ extern "C" void sg_sweep_arm_groups(int n_groups, const int *pair, const double 
   }
 }
 
-// Put contacts side by side, group by group; contacts count from one, and so many are left in their list. Groups before the
-// first with a law that is not unilateral with friction alone, or with a contact that takes no part, is counted.
+// Put contacts side by side, group by group; contacts count from one, and so many are left in their list. What is put ends, and is
+// counted, before the first group with a law that is not unilateral with friction alone, or with a contact that takes no part.
 extern "C" void sg_put_arm_groups(int n_groups, const int *group_size, int left, const int *contact, const int *pair,
                                  const double *record, const double *impulse, int *lane_pair, double *lane_record,
                                  double *lane_impulse, int *put) {

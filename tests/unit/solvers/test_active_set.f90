@@ -22,24 +22,25 @@ program test_active_set
 
   do i = 1, size(names)
     if (.not. can_be_made(trim(names(i)))) cycle
-    call test_pack(trim(names(i)), rough)
-    call test_pack(trim(names(i))//' without friction', smooth)
-    call test_pack(trim(names(i))//' that hold together', wet)
+    call test_pack(trim(names(i)), '', rough)
+    call test_pack(trim(names(i)), ' without friction', smooth)
+    call test_pack(trim(names(i)), ' that hold together', wet)
   end do
   call t%finish()
 
 contains
 
   !> A problem of a pack with some law: what it says of contacts without impulses, and which ones are chosen by that.
-  subroutine test_pack(name, law)
-    character(len=*), intent(in) :: name, law
-    character(len=:), allocatable :: deck
+  subroutine test_pack(pack, kind, law)
+    character(len=*), intent(in) :: pack, kind, law
+    character(len=:), allocatable :: name, deck
     type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     integer :: at, k
 
     sim => fresh()
-    deck = pack_deck(trim(names(i)))
+    name = pack//kind
+    deck = pack_deck(pack)
     at = index(deck, rough)
     call start_pack(t, sim%comm, name, deck(:at - 1)//law//deck(at + len(rough):), 1e-2_wp, sim)
     call advance_pack(t, name, sim, 60)
