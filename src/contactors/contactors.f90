@@ -322,13 +322,16 @@ contains
     contactors%polygon_placed(row) = wait
   end subroutine move_polygon
 
-  !> Put vertices and edges of all polygons where their bodies are, those that wait for it.
-  pure subroutine place_all_corners(contactors)
+  !> Put vertices and edges of all polygons where their bodies are, those that wait for it; of all contactors, or of a run.
+  pure subroutine place_all_corners(contactors, first, last)
     type(contactors_t), intent(inout) :: contactors !! placed contactors
-    integer :: c
+    integer, intent(in), optional :: first, last !! first and last contactor of the run
+    integer :: c, range(2)
 
     if (contactors%n_rows(kind_polygon) == 0) return
-    do c = 1, contactors%n
+    range = [1, contactors%n]
+    if (present(first)) range = [first, last]
+    do c = range(1), range(2)
       call place_corners(contactors, c)
     end do
   end subroutine place_all_corners
@@ -351,13 +354,19 @@ contains
     type(contactors_t), intent(inout) :: contactors !! placed contactors
     integer(i4), intent(in) :: row !! row of the polygon
     real(wp), intent(in) :: centre(2) !! its centre [m]
+    real(wp) :: cosine, sine
     integer :: v, first, last
 
     first = contactors%polygon_first(row)
     last = contactors%polygon_first(row + 1) - 1
+    cosine = contactors%polygon_turn(1, row)
+    sine = contactors%polygon_turn(2, row)
+    ! Component by component: vectors of two go through memory that loads then wait for.
     do v = first, last
-      contactors%polygon_world(:, v) = centre + turned(contactors%polygon_vertex(:, v), contactors%polygon_turn(1, row), &
-                                                       contactors%polygon_turn(2, row))
+      associate (corner => contactors%polygon_vertex(:, v))
+        contactors%polygon_world(1, v) = centre(1) + (cosine*corner(1) - sine*corner(2))
+        contactors%polygon_world(2, v) = centre(2) + (sine*corner(1) + cosine*corner(2))
+      end associate
     end do
     call edges_of(last - first + 1, contactors%polygon_world(:, first:last), contactors%polygon_edge(:, first:last))
   end subroutine place_polygon
@@ -367,14 +376,19 @@ contains
     integer, intent(in) :: n !! vertices
     real(wp), intent(in) :: vertex(2, n) !! counter-clockwise [m]
     real(wp), intent(out) :: edge(3, n) !! normal and length [m] of the edge from each vertex to the next
-    real(wp) :: way(2), length
-    integer :: i
+    real(wp) :: x, y, length
+    integer :: i, j
 
     do i = 1, n
-      way = vertex(:, merge(1, i + 1, i == n)) - vertex(:, i)
-      length = sqrt(way(1)**2 + way(2)**2)
+      j = merge(1, i + 1, i == n)
+      x = vertex(1, j) - vertex(1, i)
+      y = vertex(2, j) - vertex(2, i)
+      length = sqrt(x**2 + y**2)
       edge(:, i) = 0
-      if (length > tiny(length)) edge(1:2, i) = [way(2), -way(1)]/length
+      if (length > tiny(length)) then
+        edge(1, i) = y/length
+        edge(2, i) = -x/length
+      end if
       edge(3, i) = length
     end do
   end subroutine edges_of

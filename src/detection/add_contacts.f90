@@ -11,7 +11,7 @@ module sg_add_contacts
                               shorter_reach
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_mohr, status_bonded, status_new
-  use sg_neighbours, only: neighbours_t, offset_of
+  use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_rotations, only: no_rotation
   use sg_scene, only: scene_t
   use sg_touch_space, only: most_points
@@ -152,15 +152,17 @@ contains
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
     integer, intent(in) :: substeps !! from one detection to the next
-    real(wp) :: way(3)
+    real(wp) :: x, y, z
 
-    way = 0
-    associate (n => scene%dimension, position => scene%bodies%position, middle => scene%bodies%middle, &
+    associate (position => scene%bodies%position, middle => scene%bodies%middle, &
                b => scene%contactors%body(c), d => scene%contactors%body(a))
-      way(:n) = (middle(:n, b) - position(:n, b)) - (middle(:n, d) - position(:n, d))
+      x = (middle(1, b) - position(1, b)) - (middle(1, d) - position(1, d))
+      y = (middle(2, b) - position(2, b)) - (middle(2, d) - position(2, d))
+      z = 0
+      if (scene%dimension == 3) z = (middle(3, b) - position(3, b)) - (middle(3, d) - position(3, d))
     end associate
     ! From the position to the middle is half a substep.
-    is_slow = 2*real(substeps, wp)*sqrt(way(1)**2 + way(2)**2 + way(3)**2) <= kept_length(scene, c, a)
+    is_slow = 2*real(substeps, wp)*sqrt(x**2 + y**2 + z**2) <= kept_length(scene, c, a)
   end function is_slow
 
   !> Add the contacts that a pair had in the last detection, where its shapes are now; if they are kept, as far as is looked

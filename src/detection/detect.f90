@@ -11,7 +11,8 @@ module sg_detect
   use sg_laws, only: law_bond, status_broken
   use sg_link_laws, only: holds_across, is_torn, pulls_only
   use sg_list_margins, only: choose_margins, fitting_skin, neighbours_are_stale
-  use sg_neighbours, only: build_neighbours, neighbours_t, offset_of
+  use sg_neighbour_list, only: neighbours_t, offset_of
+  use sg_neighbours, only: build_neighbours
   use sg_scene, only: scene_t
   use sg_sees, only: alert_of
   use sg_touch_link, only: touch_link
@@ -33,6 +34,7 @@ contains
     real(wp) :: skin
     real(wp), allocatable :: margin(:)
     integer(i4) :: folds
+    logical :: are_kept
 
     if (.not. history%is_loaded) then
       call keep_contacts(history, contacts)
@@ -53,21 +55,24 @@ contains
       call unwrap_images(history, scene)
       call match_pairs(history, scene, pairs)
     end if
-    call place_pieces(scene%contactors, scene%bodies%middle, pairs%corners_wait)
+    ! Where most pairs are measured, corners of all polygons are placed in one pass.
+    are_kept = are_followed(scene, history, contacts)
+    call place_pieces(scene%contactors, scene%bodies%middle, pairs%corners_wait .and. are_kept)
     if (.not. allocated(pairs%alert)) allocate (pairs%alert(size(scene%sees)))
     pairs%alert(:) = alert_of(scene%sees, pairs%way)
     if (scene%cell%is_on) contacts%upwards = scene%cell%middle([4, 2])
-    call touch_all(scene, pairs, history, contacts)
+    call touch_all(scene, pairs, history, are_kept, contacts)
     history%is_loaded = .false.
     history%is_start = .false.
     history%is_untouched = history%is_untouched .and. contacts%n == 0
   end subroutine detect
 
   !> Narrow phase over all pairs.
-  subroutine touch_all(scene, pairs, history, contacts)
+  subroutine touch_all(scene, pairs, history, goes_on, contacts)
     type(scene_t), intent(inout) :: scene
     type(neighbours_t), intent(inout) :: pairs
     type(history_t), intent(inout) :: history
+    logical, intent(in) :: goes_on !! do pairs of polygons go through `follow_pairs`?
     type(contacts_t), intent(inout) :: contacts
     integer(i4), allocatable :: first(:)
     type(runs_t) :: runs
@@ -82,7 +87,7 @@ contains
     allocate (first(pairs%n + 1))
     if (sum(scene%contactors%n_rows([kind_polygon, kind_polyhedron])) > 0) &
       call keep_faces(history, pairs%n_near, scene%dimension - 1)
-    call begin_runs(scene, pairs, are_followed(scene, history, contacts), runs)
+    call begin_runs(scene, pairs, goes_on, runs)
     call touch_pieces(scene, pairs, history, runs, contacts, first)
     is_late = pairs%is_late
     do p = pairs%n_near + 1, pairs%n

@@ -9,7 +9,7 @@ module sg_follow_pairs
   use sg_history, only: history_t
   use sg_kept_contacts, only: has_moved_in_plane, move_from, n_kept_in_plane, n_pose_in_plane, pose_between, shorter_reach
   use sg_kinds, only: wp, i1, i4
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_pair_alert, only: alert_of_pair
   use sg_path_bound, only: is_clear
   use sg_scene, only: scene_t

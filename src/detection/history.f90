@@ -8,7 +8,7 @@ module sg_history
   use sg_kinds, only: wp, i1, i4, i8
   use sg_lists, only: reserve
   use sg_near, only: candidate_first, has_one_image
-  use sg_neighbours, only: image_of_pair, neighbours_t
+  use sg_neighbour_list, only: image_of_pair, neighbours_t
   use sg_scene, only: periods_of, scene_t, start_contact_t
   use sg_sorting, only: group_items, sort_permutation
   implicit none

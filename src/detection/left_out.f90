@@ -6,7 +6,7 @@ module sg_left_out
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
   use sg_narrow_phase, only: are_found_apart, path_of_pair, touch_in_plane, touch_in_space
-  use sg_neighbours, only: neighbours_t, offset_of
+  use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_pair_alert, only: alert_of_pair, closing_way, find_free_motion, find_motion, least_reduced, times
   use sg_rotations, only: turned_by
   use sg_scene, only: scene_t

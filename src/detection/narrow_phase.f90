@@ -4,7 +4,7 @@ module sg_narrow_phase
   use sg_follow, only: follows
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
-  use sg_neighbours, only: neighbours_t, offset_of
+  use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_path_bound, only: is_clear
   use sg_scene, only: scene_t
   use sg_shrink_face, only: shrink_face

@@ -3,7 +3,7 @@
 module sg_pair_alert
   use sg_kinds, only: wp, i4
   use sg_near, only: farthest_arm
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_scene, only: scene_t
   use sg_sees, only: follows_motion
   implicit none

@@ -7,7 +7,7 @@ module sg_touch_pieces
   use sg_contacts, only: begin_like, contacts_t, copy_run, grow_contacts
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_scene, only: scene_t
   use sg_threads, only: begin_share, is_first_thread, n_sharing, piece_t, share_t, takes
   use sg_touch_run, only: runs_t, touch_run
@@ -34,9 +34,9 @@ contains
     do t = 1, n_sharing()
       do while (takes(share, piece))
         call place_run(contactors, middle, piece%first, piece%last)
+        if (.not. corners_wait) call place_all_corners(contactors, piece%first, piece%last)
       end do
     end do
-    if (.not. corners_wait) call place_all_corners(contactors)
   end subroutine place_pieces
 
   !> Contacts of all pairs that are no links.

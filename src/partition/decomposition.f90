@@ -19,7 +19,7 @@ module sg_decomposition
   use sg_load, only: imbalance, own_load
   use sg_local_numbers, only: local_contactor
   use sg_migrate, only: migrate
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_owner_sums, only: copy_from_owner
   use sg_owners, only: counts_on
   use sg_parcels, only: parcel_t

@@ -14,7 +14,7 @@ module sg_assemble
   use sg_laws, only: is_cohesive_zone, kind_of_local_law, law_mohr, local_law_t, status_bonded, status_slide, status_stick
   use sg_link_contacts, only: is_link
   use sg_mapping, only: arms_of
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t, reserve_problem
   use sg_problem_bodies, only: load_bodies, take_velocities

@@ -7,7 +7,7 @@ module sg_update_problem
   use sg_contacts, only: contacts_t
   use sg_gap_laws, only: have_gap_laws
   use sg_kinds, only: wp
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t
   use sg_problem_bodies, only: load_bodies, take_velocities

@@ -6,7 +6,7 @@ module sg_inventory
   use sg_contactors, only: contactors_t, table_all, table_vertices
   use sg_history, only: history_t
   use sg_kinds, only: wp, i8
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_polyhedron, only: polyhedron_t
   use sg_problem, only: growth_of_problem, problem_t
   use sg_simulation, only: simulation_t

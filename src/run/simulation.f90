@@ -16,7 +16,7 @@ module sg_simulation
   use sg_kept_contacts, only: n_kept_in_plane, n_kept_in_space
   use sg_kinds, only: wp, i4
   use sg_means, only: means_t
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_tunnelling, only: tunnelling_t
   use sg_plan, only: make_plan, omissions_t, plan_t
   use sg_problem, only: problem_t

@@ -11,7 +11,7 @@ module sg_benchmark
   use sg_history, only: history_t
   use sg_kinds, only: wp
   use sg_motion, only: predict
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_nlgs, only: nlgs_t
   use sg_plan, only: make_plan, plan_t
   use sg_problem, only: problem_t

@@ -9,7 +9,8 @@ program test_halo
   use sg_error, only: error_t
   use sg_kinds, only: wp, i4
   use sg_motion, only: predict
-  use sg_neighbours, only: build_neighbours, neighbours_t
+  use sg_neighbour_list, only: neighbours_t
+  use sg_neighbours, only: build_neighbours
   use sg_owners, only: contact_owner
   use sg_plan, only: set_radii
   use sg_scene, only: scene_t

@@ -6,7 +6,8 @@ module kept_states
   use sg_contacts, only: contacts_t
   use sg_kinds, only: wp
   use sg_laws, only: status_new, status_slide
-  use sg_neighbours, only: build_neighbours, neighbours_t
+  use sg_neighbour_list, only: neighbours_t
+  use sg_neighbours, only: build_neighbours
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t
   implicit none

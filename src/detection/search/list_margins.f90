@@ -4,7 +4,7 @@ module sg_list_margins
   use sg_contactors, only: kind_point
   use sg_kinds, only: wp
   use sg_near, only: turning_arm
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_scene, only: scene_t
   use sg_sees, only: alert_of, follows_motion
   use sg_shape_kinds, only: is_bounding

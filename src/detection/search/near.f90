@@ -50,9 +50,11 @@ contains
     real(wp) :: apart(3), limit
     real(wp), parameter :: rounded = 1 + 16*epsilon(1.0_wp)
 
-    apart = 0
-    apart(:contactors%dimension) = contactors%centre(:, i) - contactors%centre(:, j)
-    apart = apart - offset
+    ! Component by component: differences of unknown length go through memory that is allocated.
+    apart(1) = contactors%centre(1, i) - contactors%centre(1, j) - offset(1)
+    apart(2) = contactors%centre(2, i) - contactors%centre(2, j) - offset(2)
+    apart(3) = -offset(3)
+    if (contactors%dimension == 3) apart(3) = contactors%centre(3, i) - contactors%centre(3, j) - offset(3)
     if (is_bounding(contactors%kind(j))) then
       is_near = near_bounding(contactors, j, apart, contactors%reach(i), period, distance)
     else if (is_bounding(contactors%kind(i))) then

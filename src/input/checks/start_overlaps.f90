@@ -6,7 +6,8 @@ module sg_start_overlaps
   use sg_kinds, only: wp, i4
   use sg_named_bodies, only: name_of
   use sg_near, only: candidate_first
-  use sg_neighbours, only: find_neighbours, image_of_pair, neighbours_t
+  use sg_neighbour_list, only: image_of_pair, neighbours_t
+  use sg_neighbours, only: find_neighbours
   use sg_owners, only: contact_owner
   use sg_pair_gap, only: pair_gap
   use sg_passages, only: due_time

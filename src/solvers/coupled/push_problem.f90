@@ -10,7 +10,7 @@ module sg_push_problem
   use sg_kinds, only: wp, i4
   use sg_mapping, only: arms_of, relative_velocity
   use sg_mapping_space, only: space_arms, space_relative_velocity
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_plan, only: plan_t
   use sg_problem, only: problem_t
   use sg_problem_bodies, only: load_bodies

@@ -6,7 +6,7 @@ program test_alert
   use sg_detect, only: detect
   use sg_history, only: history_t
   use sg_kinds, only: wp
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_random, only: random_t
   use sg_scene, only: colour_index, scene_t, see_t
   use sg_sees, only: alert_of

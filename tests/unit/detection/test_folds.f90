@@ -7,7 +7,7 @@ program test_folds
   use sg_history, only: history_t, resume_history
   use sg_kinds, only: wp
   use sg_laws, only: status_new, status_slide
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_scene, only: scene_t, set_edges
   implicit none
   !> Way of the upper face per step, over the height

@@ -8,7 +8,7 @@ program test_history
   use sg_history, only: history_t, resume_history, revive, start_history
   use sg_kinds, only: wp
   use sg_laws, only: law_iqs_g0, law_mohr, status_bonded, status_new, status_slide, status_stick
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_random, only: random_t
   use sg_scene, only: scene_t, start_contact_t
   implicit none

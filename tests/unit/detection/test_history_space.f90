@@ -14,7 +14,7 @@ program test_history_space
   use sg_history, only: history_t, resume_history
   use sg_kinds, only: wp
   use sg_laws, only: status_slide
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_random, only: random_t
   use sg_scene, only: scene_t
   use sg_simulation, only: simulation_t, start_simulation

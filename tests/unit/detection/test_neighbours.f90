@@ -11,7 +11,7 @@ program test_neighbours
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4, pi
   use sg_near, only: candidate_first
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_random, only: random_t
   use sg_scene, only: colour_index, scene_t
   use sg_sees, only: see_between

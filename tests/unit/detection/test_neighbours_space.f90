@@ -12,7 +12,7 @@ program test_neighbours_space
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
   use sg_near, only: candidate_first
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_polyhedron, only: polyhedron_t
   use sg_polyhedron_make, only: box_polyhedron
   use sg_random, only: random_t

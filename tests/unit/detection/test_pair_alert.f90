@@ -9,7 +9,7 @@ program test_pair_alert
   use sg_kinds, only: wp, i4, pi
   use sg_left_out, only: has_left_out
   use sg_mapping, only: relative_velocity
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_pair_alert, only: alert_of_pair, reduce_alerts
   use sg_random, only: random_t
   use sg_scene, only: colour_index, scene_t

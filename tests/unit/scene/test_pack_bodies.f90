@@ -13,7 +13,7 @@ program test_pack_bodies
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4, pi
   use sg_local_numbers, only: contactors_of_bodies, local_body, local_contactor
-  use sg_neighbours, only: neighbours_t
+  use sg_neighbour_list, only: neighbours_t
   use sg_pack_bodies, only: order_records, pack_bodies, rebuild_scene
   use sg_parcels, only: parcel_t
   use sg_polyhedron, only: polyhedron_t

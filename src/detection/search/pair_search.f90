@@ -1,0 +1,309 @@
+!> The search for pairs of contactors that see each other and are near, in cells (doc/theory/detection.md, "Broad phase").
+!!
+!! Contactors are looked at along the curve of their bodies, so that most share their cell with the one before: what lies in the
+!! cells about it is gathered once, level by level. Of what is gathered most is far, which a square decides.
+module sg_pair_search
+  use sg_bodies, only: body_present
+  use sg_cells, only: build_cells, cells_t, level_cell
+  use sg_contactors, only: contactors_t, n_kinds
+  use sg_kinds, only: wp, i4
+  use sg_lists, only: reserve
+  use sg_near, only: candidate_first, is_near
+  use sg_neighbour_list, only: add_pair, neighbours_t
+  use sg_owners, only: contact_owner
+  use sg_scene, only: image_shift, periods_of, scene_t
+  use sg_sees, only: follows_motion, see_between, see_named, widest_alert
+  use sg_shape_kinds, only: is_bounding
+  use sg_timers, only: wall_now
+  implicit none
+  private
+  public :: find_pairs
+
+  !> What lies in a cell of a level and in those next to it
+  type :: around_t
+    !> The cell
+    integer(i4) :: home(3) = -huge(1_i4)
+    !> Contactors, by their place in the order
+    integer :: n = 0
+    integer(i4), allocatable :: member(:)
+    !> Periods by which each is moved, along x, y, z, shape (3, n)
+    integer(i4), allocatable :: image(:, :)
+    !> Those of them that are near what is looked at, by their place among them
+    integer, allocatable :: near(:)
+  end type around_t
+
+  !> Contactors in the order in which they are looked at
+  type :: search_t
+    !> Contactors, and class of each (`class_of`)
+    integer(i4), allocatable :: contactor(:), class(:)
+    !> Line of the see tables between two classes
+    integer(i4), allocatable :: table(:, :)
+    !> Centres within the period, sheared back by the tilt of a cell [m], and periods to where they are, shape (3, n)
+    real(wp), allocatable :: centre(:, :)
+    integer(i4), allocatable :: crossed(:, :)
+    !> Radii with margins, and how much nearer than by these alone two may be sought, stretched by a tilt [m]
+    real(wp), allocatable :: reach(:)
+    real(wp) :: margin = 0
+    !> The same, but out of all bounds for what bounds others, since it reaches beyond the circle or sphere about it [m]
+    real(wp), allocatable :: radius(:)
+    !> Periods, and what distances may lose where places are brought back into them [m]
+    real(wp) :: period(3) = 0, slack = 0
+    !> Cells, and what lies about those looked at last, level by level
+    type(cells_t) :: cells
+    type(around_t), allocatable :: around(:)
+  end type search_t
+
+contains
+
+  !> Look in the cells for all pairs that see each other and are near.
+  subroutine find_pairs(pairs, scene, order)
+    type(neighbours_t), intent(inout) :: pairs !! list, its margins given; its pairs are found
+    type(scene_t), intent(in) :: scene !! scene, its contactors placed
+    integer(i4), intent(in), contiguous :: order(:) !! contactors in the order in which pairs follow
+    type(search_t) :: search
+    integer :: i, level
+
+    call begin_search(search, pairs, scene, order)
+    pairs%n = 0
+    pairs%is_cut = .false.
+    pairs%is_late = .false.
+    do i = 1, size(search%contactor)
+      do level = search%cells%level(i), search%cells%n_levels
+        call look_around(pairs, scene, search, search%around(level), i, level)
+      end do
+      if (pairs%deadline > 0) pairs%is_late = wall_now() > pairs%deadline
+      if (pairs%is_cut .or. pairs%is_late) exit
+    end do
+  end subroutine find_pairs
+
+  !> Contactors that are there, in order, and in cells.
+  subroutine begin_search(search, pairs, scene, order)
+    type(search_t), intent(out) :: search
+    type(neighbours_t), intent(in) :: pairs
+    type(scene_t), intent(in) :: scene
+    integer(i4), intent(in), contiguous :: order(:)
+    integer :: i
+
+    search%contactor = order
+    if (allocated(scene%bodies%presence)) &
+      search%contactor = pack(order, scene%bodies%presence(scene%contactors%body(order)) == body_present)
+    call tabulate_sees(scene, search%table)
+    call place_search(search, pairs, scene)
+    search%radius = (1 + 64*epsilon(1.0_wp))*search%reach
+    allocate (search%class(size(search%contactor)))
+    do i = 1, size(search%contactor)
+      search%class(i) = int(class_of(scene%contactors, int(search%contactor(i))), i4)
+      if (is_bounding(scene%contactors%kind(search%contactor(i)))) search%radius(i) = 1e100_wp
+    end do
+    call build_cells(search%cells, search%centre, search%reach, search%margin, search%period)
+    allocate (search%around(search%cells%n_levels))
+  end subroutine begin_search
+
+  !> Centres and radii as cells want them.
+  subroutine place_search(search, pairs, scene)
+    type(search_t), intent(inout) :: search
+    type(neighbours_t), intent(in) :: pairs
+    type(scene_t), intent(in) :: scene
+    real(wp) :: slope, farthest
+    integer :: i, axis
+
+    search%period = periods_of(scene)
+    ! Cells stand upright: places are sheared back by the tilt, by which distances grow no more than this.
+    slope = 0
+    if (scene%cell%is_on) slope = scene%cell%middle(4)/scene%cell%middle(2)
+    allocate (search%centre(3, size(search%contactor)), source=0.0_wp)
+    allocate (search%reach(size(search%contactor)))
+    allocate (search%crossed(3, size(search%contactor)), source=0_i4)
+    farthest = 0
+    do i = 1, size(search%contactor)
+      associate (c => search%contactor(i), centre => search%centre(:, i))
+        centre(:scene%dimension) = scene%contactors%centre(:, c)
+        ! A body in the period may carry shapes far outside it (rough walls made of disks).
+        if (abs(slope) > 0) centre(1) = centre(1) - slope*centre(2)
+        do axis = 1, 3
+          if (.not. search%period(axis) > 0) cycle
+          farthest = max(farthest, abs(centre(axis)))
+          search%crossed(axis, i) = int(floor(centre(axis)/search%period(axis)), i4)
+          centre(axis) = centre(axis) - search%period(axis)*real(search%crossed(axis, i), wp)
+        end do
+        search%reach(i) = scene%contactors%reach(c) + pairs%margin(scene%contactors%body(c))
+      end associate
+    end do
+    search%slack = 16*epsilon(1.0_wp)*(farthest + merge(maxval(search%period), 0.0_wp, farthest > 0))
+    if (.not. pairs%without_alert) search%margin = widest_alert(pack(scene%sees, .not. follows_motion(scene%sees)), 0.0_wp)
+    if (.not. abs(slope) > 0) return
+    ! The largest stretch of a shear by so much.
+    associate (stretch => abs(slope)/2 + sqrt(1 + slope**2/4))
+      search%reach = stretch*search%reach
+      search%margin = stretch*search%margin
+    end associate
+  end subroutine place_search
+
+  !> See lines by class of contactor (kind and colour), so that a pair needs one look.
+  subroutine tabulate_sees(scene, table)
+    type(scene_t), intent(in) :: scene
+    integer(i4), allocatable, intent(out) :: table(:, :)
+    integer(i4), allocatable :: example(:)
+    integer :: c, i, j
+
+    allocate (table(n_kinds*size(scene%colours), n_kinds*size(scene%colours)), source=0_i4)
+    allocate (example(n_kinds*size(scene%colours)), source=0_i4)
+    do c = 1, scene%contactors%n
+      example(class_of(scene%contactors, c)) = int(c, i4)
+    end do
+    do j = 1, size(example)
+      do i = 1, size(example)
+        if (example(i) > 0 .and. example(j) > 0) table(i, j) = int(see_between(scene, example(i), example(j)), i4)
+      end do
+    end do
+  end subroutine tabulate_sees
+
+  !> Class of a contactor: kind and colour in one number.
+  pure integer function class_of(contactors, c)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: c
+
+    class_of = contactors%kind(c) + n_kinds*(contactors%colour(c) - 1)
+  end function class_of
+
+  !> Pairs of one contactor with those of one level in the 3 by 3 (by 3) cells about it.
+  subroutine look_around(pairs, scene, search, around, i, level)
+    type(neighbours_t), intent(inout) :: pairs
+    type(scene_t), intent(in) :: scene
+    type(search_t), intent(inout) :: search
+    type(around_t), intent(inout) :: around !! what was gathered last in the level
+    integer, intent(in) :: i, level
+    integer(i4) :: home(3), image(3)
+    integer :: k, m, n, after, axis
+
+    if (search%cells%level(i) == level) then
+      home = search%cells%cell(:, i)
+    else
+      home = level_cell(search%cells, level, search%centre(:, i))
+    end if
+    if (any(home /= around%home)) call gather(search%cells, scene%dimension, level, home, around)
+    ! Of two of one level the pair follows the first.
+    after = merge(i, 0, search%cells%level(i) == level)
+    call find_near(around%n, around%member, around%image, after, search%centre(:, i), search%centre, &
+                   search%radius(i) + search%margin + search%slack, search%radius, search%period, around%near, n)
+    do k = 1, n
+      m = around%near(k)
+      do axis = 1, 3
+        image(axis) = around%image(axis, m) + search%crossed(axis, i) - search%crossed(axis, around%member(m))
+      end do
+      call consider(pairs, scene, search, i, int(around%member(m)), image)
+    end do
+  end subroutine look_around
+
+  !> Which of those gathered come later in the order, and have a centre within the sum of two radii?
+  pure subroutine find_near(n, member, image, after, own, centre, own_radius, radius, period, near, n_near)
+    integer, intent(in) :: n
+    integer(i4), intent(in), contiguous :: member(:), image(:, :)
+    integer, intent(in) :: after !! place in the order before those wanted
+    real(wp), intent(in) :: own(3), own_radius, period(3)
+    real(wp), intent(in), contiguous :: centre(:, :), radius(:)
+    integer, intent(inout), contiguous :: near(:)
+    integer, intent(out) :: n_near
+    real(wp) :: square
+    integer :: m, j
+
+    n_near = 0
+    do m = 1, n
+      j = member(m)
+      if (j <= after) cycle
+      square = (own(1) - centre(1, j) - period(1)*real(image(1, m), wp))**2 + &
+               (own(2) - centre(2, j) - period(2)*real(image(2, m), wp))**2 + &
+               (own(3) - centre(3, j) - period(3)*real(image(3, m), wp))**2
+      if (square > (own_radius + radius(j))**2) cycle
+      n_near = n_near + 1
+      near(n_near) = m
+    end do
+  end subroutine find_near
+
+  !> Gather what lies in a cell of a level and in the 3 by 3 (by 3) about it.
+  subroutine gather(cells, dimension, level, home, around)
+    type(cells_t), intent(in) :: cells
+    integer, intent(in) :: dimension, level
+    integer(i4), intent(in) :: home(3) !! the cell
+    type(around_t), intent(inout) :: around
+    integer(i4) :: cell(3), wrapped(-1:1, 3), images(-1:1, 3), bucket, j
+    integer :: column, row, layer, axis, step, m
+
+    images = 0
+    do axis = 1, 3
+      do step = -1, 1
+        wrapped(step, axis) = home(axis) + int(step, i4)
+        if (cells%columns(axis, level) == 0) cycle
+        wrapped(step, axis) = modulo(wrapped(step, axis), cells%columns(axis, level))
+        images(step, axis) = (home(axis) + int(step, i4) - wrapped(step, axis))/cells%columns(axis, level)
+      end do
+    end do
+    around%home = home
+    around%n = 0
+    do layer = 2 - dimension, dimension - 2
+      do row = -1, 1
+        do column = -1, 1
+          cell = [wrapped(column, 1), wrapped(row, 2), wrapped(layer, 3)]
+          bucket = cells%bucket(level, cell)
+          call make_room(around, cells%first(bucket + 1) - cells%first(bucket))
+          do m = cells%first(bucket), cells%first(bucket + 1) - 1
+            j = cells%member(m)
+            ! Other cells share the bucket.
+            if (cells%cell(1, j) /= cell(1) .or. cells%cell(2, j) /= cell(2) .or. cells%cell(3, j) /= cell(3)) cycle
+            if (cells%level(j) /= level) cycle
+            around%n = around%n + 1
+            around%member(around%n) = j
+            around%image(1, around%n) = images(column, 1)
+            around%image(2, around%n) = images(row, 2)
+            around%image(3, around%n) = images(layer, 3)
+          end do
+        end do
+      end do
+    end do
+  end subroutine gather
+
+  !> Make room for more of what is gathered.
+  subroutine make_room(around, n)
+    type(around_t), intent(inout) :: around
+    integer, intent(in) :: n
+
+    if (allocated(around%near)) then
+      if (around%n + n <= size(around%near)) return
+    end if
+    call reserve(around%member, around%n + n)
+    call reserve(around%image, 3, around%n + n)
+    call reserve(around%near, around%n + n)
+  end subroutine make_room
+
+  !> Keep a pair when the two see each other and are near.
+  subroutine consider(pairs, scene, search, one, other, image)
+    type(neighbours_t), intent(inout) :: pairs
+    type(scene_t), intent(in) :: scene
+    type(search_t), intent(in) :: search
+    integer, intent(in) :: one, other !! two contactors by their place in the order
+    integer(i4), intent(in) :: image(3) !! periods by which the other is moved, along x, y, z
+    integer(i4) :: see
+    integer(i4) :: ends(2)
+    real(wp) :: margin
+
+    associate (contactors => scene%contactors, i => search%contactor(one), j => search%contactor(other))
+      if (contactors%body(i) == contactors%body(j)) return
+      see = search%table(search%class(one), search%class(other))
+      if (allocated(scene%groups)) see = see_named(scene, see, i, j)
+      if (see == 0) return
+      if (allocated(scene%bodies%owner)) then
+        if (contact_owner(scene%bodies%owner([contactors%body(i), contactors%body(j)])) /= pairs%rank) return
+      end if
+      margin = pairs%margin(contactors%body(i)) + pairs%margin(contactors%body(j))
+      if (.not. (pairs%without_alert .or. follows_motion(scene%sees(see)))) margin = margin + scene%sees(see)%alert
+      if (.not. is_near(contactors, i, j, image_shift(scene, image), search%period, margin)) return
+      if (candidate_first(contactors, int(i), int(j))) then
+        ends = [i, j]
+        call add_pair(pairs, scene%dimension, scene%cell%is_on, ends, image, int(see))
+      else
+        ends = [j, i]
+        call add_pair(pairs, scene%dimension, scene%cell%is_on, ends, -image, int(see))
+      end if
+    end associate
+  end subroutine consider
+end module sg_pair_search
