@@ -14,6 +14,7 @@ module sg_touch_run
   use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_pair_alert, only: alert_of_pair
   use sg_placed_corners, only: place_corners_once
+  use sg_round_pairs, only: touch_rounds
   use sg_scene, only: scene_t
   use sg_shape_kinds, only: is_bounding
   use sg_timers, only: wall_now
@@ -28,8 +29,8 @@ module sg_touch_run
 
   !> What all pairs of a detection share
   type :: runs_t
-    !> Do pairs of polygons go through `follow_pairs`?
-    logical :: goes_on = .false.
+    !> Do pairs of polygons go through `follow_pairs`, and those of disks or spheres through `touch_rounds`?
+    logical :: goes_on = .false., has_rounds = .false.
     !> Of each line of the see tables: alert distance and longest one [m], and law
     real(wp), allocatable :: near(:), longest(:)
     integer, allocatable :: law(:)
@@ -38,13 +39,15 @@ module sg_touch_run
 contains
 
   !> What all pairs share.
-  subroutine begin_runs(scene, pairs, goes_on, runs)
+  subroutine begin_runs(scene, pairs, goes_on, has_rounds, runs)
     type(scene_t), intent(in) :: scene !! scene with its see tables
     type(neighbours_t), intent(in) :: pairs !! list of neighbours, its alert distances set
     logical, intent(in) :: goes_on !! do pairs of polygons go through `follow_pairs`?
+    logical, intent(in) :: has_rounds !! do pairs of disks or spheres go through `touch_rounds`?
     type(runs_t), intent(out) :: runs !! what they share
 
     runs%goes_on = goes_on
+    runs%has_rounds = has_rounds
     runs%near = pairs%alert
     if (pairs%is_reduced .and. .not. pairs%is_by_pair) runs%near = min(runs%near, pairs%least)
     runs%longest = scene%sees%alert
@@ -67,16 +70,18 @@ contains
     integer :: p, next, last
 
     is_late = .false.
-    is_near = .false.
     next = begin
     do while (next <= end)
       if (ends_early(pairs, contacts, next, is_late)) exit
       last = end
-      if (runs%goes_on) then
+      is_near = .false.
+      if (runs%goes_on .or. runs%has_rounds) then
         last = min(end, (next/pairs_per_look + 1)*pairs_per_look - 1)
         call grow_contacts(contacts, contacts%n + most_followed)
-        if (.not. contacts%is_cut) call follow_pairs(scene, pairs, history, runs%near, runs%longest, runs%law, last, contacts, &
-                                                     first, next, alert, is_near)
+        if (contacts%is_cut) exit
+        if (runs%has_rounds) call touch_rounds(scene, pairs, history, runs%near, runs%law, last, contacts, first, next)
+        if (runs%goes_on .and. next <= last) &
+          call follow_pairs(scene, pairs, history, runs%near, runs%longest, runs%law, last, contacts, first, next, alert, is_near)
         if (next > last .or. contacts%n + most_followed > size(contacts%gap)) cycle
         last = next
       end if
