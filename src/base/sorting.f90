@@ -92,11 +92,11 @@ contains
     allocate (keys(size(point, 2)))
     if (size(low) == 2) then
       do i = 1, size(keys)
-        keys(i) = hilbert_key((point(:, i) - low)/side)
+        keys(i) = hilbert_key([(point(1, i) - low(1))/side, (point(2, i) - low(2))/side])
       end do
     else
       do i = 1, size(keys)
-        keys(i) = hilbert_key_in_space((point(:, i) - low)/side)
+        keys(i) = hilbert_key_in_space([(point(1, i) - low(1))/side, (point(2, i) - low(2))/side, (point(3, i) - low(3))/side])
       end do
     end if
     order = sort_permutation(keys)

@@ -237,24 +237,23 @@ contains
     end associate
   end subroutine follow_pair
 
-  !> Keep the contacts of a pair that have just been found: the last ones.
-  subroutine keep_pair(scene, pairs, p, alert, n, contacts)
+  !> Keep the contacts of a pair that have just been found.
+  subroutine keep_pair(scene, pairs, p, alert, first, last, contacts)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     integer, intent(in) :: p !! pair
     real(wp), intent(in) :: alert !! alert distance of the pair [m]
-    integer, intent(in) :: n !! contacts found
+    integer, intent(in) :: first, last !! the first and the last contact of the pair
     type(contacts_t), intent(inout) :: contacts !! contacts of the step so far
     real(wp) :: offset(3), pose(n_pose_in_space)
     integer(i1) :: face
-    integer :: k, first
+    integer :: k
 
     offset = offset_of(scene, pairs, p)
-    first = contacts%n - n + 1
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       if (scene%dimension == 2) pose(:n_pose_in_plane) = pose_in_plane(contactors, c, a, offset(:2))
       if (scene%dimension == 3) pose = pose_in_space(contactors, turn_of(scene, c), turn_of(scene, a), c, a, offset)
-      do k = first, contacts%n
+      do k = first, last
         associate (normal => contacts%normal(:, k), point => contacts%point(:, k), gap => contacts%gap(k), &
                    kept => contacts%kept(:, k))
           ! Points of one face have one normal.

@@ -13,7 +13,6 @@ module sg_detect
   use sg_list_margins, only: choose_margins, fitting_skin, neighbours_are_stale
   use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_neighbours, only: build_neighbours
-  use sg_round_pairs, only: are_plain_rounds
   use sg_scene, only: scene_t
   use sg_sees, only: alert_of
   use sg_touch_link, only: touch_link
@@ -88,7 +87,7 @@ contains
     allocate (first(pairs%n + 1))
     if (sum(scene%contactors%n_rows([kind_polygon, kind_polyhedron])) > 0) &
       call keep_faces(history, pairs%n_near, scene%dimension - 1)
-    call begin_runs(scene, pairs, goes_on, are_plain_rounds(scene, history, contacts), runs)
+    call begin_runs(scene, pairs, history, contacts, goes_on, runs)
     call touch_pieces(scene, pairs, history, runs, contacts, first)
     is_late = pairs%is_late
     do p = pairs%n_near + 1, pairs%n

@@ -15,7 +15,7 @@ module sg_follow_pairs
   use sg_scene, only: scene_t
   implicit none
   private
-  public :: are_followed, follow_pairs, most_followed
+  public :: are_followed, follow_pairs, have_plain_past, most_followed
 
   !> Contacts of a pair of polygons, at most
   integer, parameter :: most_followed = 2
@@ -29,12 +29,21 @@ contains
     type(history_t), intent(in) :: history !! contacts of the last detection
     type(contacts_t), intent(in) :: contacts !! contacts of the step so far
 
-    are_followed = scene%dimension == 2 .and. .not. scene%cell%is_on .and. contacts%n_kept == n_kept_in_plane &
-                   .and. contacts%n_internal == 0 .and. contacts%n_carried == 0 .and. allocated(history%kept) &
-                   .and. history%n_pairs > 0 .and. .not. history%by_point
-    if (are_followed) are_followed = size(history%kept, 1) == n_kept_in_plane .and. scene%contactors%n_rows(kind_polygon) > 0
+    are_followed = have_plain_past(scene, history, contacts)
     if (are_followed) are_followed = are_mostly_kept(history%first(history%n_pairs + 1) - 1, history%kept)
   end function are_followed
+
+  !> Have contacts of polygons no more of a past than impulses and what detection keeps? Not in cells.
+  pure logical function have_plain_past(scene, history, contacts)
+    type(scene_t), intent(in) :: scene !! scene
+    type(history_t), intent(in) :: history !! contacts of the last detection
+    type(contacts_t), intent(in) :: contacts !! contacts of the step so far
+
+    have_plain_past = scene%dimension == 2 .and. .not. scene%cell%is_on .and. contacts%n_kept == n_kept_in_plane &
+                      .and. contacts%n_internal == 0 .and. contacts%n_carried == 0 .and. allocated(history%kept) &
+                      .and. history%n_pairs > 0 .and. .not. history%by_point
+    if (have_plain_past) have_plain_past = size(history%kept, 1) == n_kept_in_plane .and. scene%contactors%n_rows(kind_polygon) > 0
+  end function have_plain_past
 
   !> Are at least three of four contacts kept? A sample is asked.
   pure logical function are_mostly_kept(n, kept)

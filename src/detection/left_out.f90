@@ -115,14 +115,18 @@ contains
     type(history_t), intent(in) :: history
     integer, intent(in) :: p
     real(wp), intent(in) :: distance
-    real(wp) :: apart(3)
+    real(wp) :: offset(3), x, y, z
 
     are_clear = .false.
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
       if (is_bounding(contactors%kind(a))) return
-      apart = -offset_of(scene, pairs, p)
-      apart(:scene%dimension) = apart(:scene%dimension) + contactors%centre(:, c) - contactors%centre(:, a)
-      are_clear = norm2(apart) > contactors%reach(c) + contactors%reach(a) + distance .or. &
+      offset = offset_of(scene, pairs, p)
+      ! Component by component: differences of unknown length go through memory that is allocated.
+      x = contactors%centre(1, c) - contactors%centre(1, a) - offset(1)
+      y = contactors%centre(2, c) - contactors%centre(2, a) - offset(2)
+      z = 0
+      if (scene%dimension == 3) z = contactors%centre(3, c) - contactors%centre(3, a) - offset(3)
+      are_clear = sqrt(x**2 + y**2 + z**2) > contactors%reach(c) + contactors%reach(a) + distance .or. &
                   are_found_apart(scene, history, p, c, a, path_of_pair(contactors, c, a), distance)
     end associate
   end function are_clear
@@ -142,16 +146,21 @@ contains
     real(wp) :: path
     integer :: i
 
+    closes = .false.
     path = path_of_pair(scene%contactors, pairs%contactor(1, p), pairs%contactor(2, p))
     if (scene%dimension == 2) then
       call place_corners(scene%contactors, pairs%contactor(1, p))
       call place_corners(scene%contactors, pairs%contactor(2, p))
       call touch_in_plane(scene, pairs, history, p, way, path, touch)
-      closes = any([(closes_at(touch%feature(i), touch%point(:, i), touch%normal(:, i), touch%gap(i)), i=1, touch%n)])
+      do i = 1, touch%n
+        closes = closes .or. closes_at(touch%feature(i), touch%point(:, i), touch%normal(:, i), touch%gap(i))
+      end do
     else
       call touch_in_space(scene, pairs, history, p, way, path, touch_space)
-      closes = any([(closes_at(touch_space%feature(i), touch_space%point(:, i), touch_space%normal(:, i), touch_space%gap(i)), &
-                     i=1, touch_space%n)])
+      do i = 1, touch_space%n
+        closes = closes .or. closes_at(touch_space%feature(i), touch_space%point(:, i), touch_space%normal(:, i), &
+                                       touch_space%gap(i))
+      end do
     end if
   contains
     logical function closes_at(feature, point, normal, gap) result(closes)

@@ -6,9 +6,9 @@ module sg_round_pairs
   use sg_contacts, only: contacts_t
   use sg_history, only: history_t
   use sg_kinds, only: wp, i1, i4
-  use sg_laws, only: status_new
   use sg_neighbour_list, only: neighbours_t
   use sg_pair_alert, only: alert_of_pair
+  use sg_plain_past, only: find_named, find_past, recall_impulse
   use sg_scene, only: scene_t
   implicit none
   private
@@ -78,8 +78,8 @@ contains
     integer, intent(inout) :: n, p
     real(wp) :: x, y, square, both, alert, distance, half
     integer(i4) :: c, a
-    integer :: before
-    logical :: is_by_pair, is_known
+    integer :: before, from(2)
+    logical :: is_by_pair
 
     is_by_pair = pairs%is_reduced .and. pairs%is_by_pair
     do p = p, last
@@ -99,8 +99,9 @@ contains
       end if
       distance = sqrt(square)
       if (distance - both >= alert) cycle
-      call find_past(p, is_matched, past, first_before, feature_before, before, is_known)
-      if (.not. is_known) return
+      call find_past(p, is_matched, past, first_before, from)
+      before = find_named(0_i4, from, feature_before)
+      if (from(1) <= from(2) .and. before == 0) return
       if (square > tiny(square)) then
         x = x/distance
         y = y/distance
@@ -143,8 +144,8 @@ contains
     integer, intent(inout) :: n, p
     real(wp) :: x, y, z, square, both, alert, distance, half
     integer(i4) :: c, a
-    integer :: before
-    logical :: is_by_pair, is_known
+    integer :: before, from(2)
+    logical :: is_by_pair
 
     is_by_pair = pairs%is_reduced .and. pairs%is_by_pair
     do p = p, last
@@ -165,8 +166,9 @@ contains
       end if
       distance = sqrt(square)
       if (distance - both >= alert) cycle
-      call find_past(p, is_matched, past, first_before, feature_before, before, is_known)
-      if (.not. is_known .or. .not. square > tiny(square)) return
+      call find_past(p, is_matched, past, first_before, from)
+      before = find_named(0_i4, from, feature_before)
+      if ((from(1) <= from(2) .and. before == 0) .or. .not. square > tiny(square)) return
       x = x/distance
       y = y/distance
       z = z/distance
@@ -190,44 +192,4 @@ contains
       call recall_impulse(before, n_components, impulse_before, status_before, impulse(:, n), status(n))
     end do
   end subroutine touch_spheres
-
-  !> Contact of the past of a pair that has one point, 0 for none.
-  pure subroutine find_past(p, is_matched, past, first_before, feature_before, before, is_known)
-    integer, intent(in) :: p !! pair
-    logical, intent(in) :: is_matched
-    integer(i4), intent(in) :: past(*), first_before(*), feature_before(*)
-    integer, intent(out) :: before !! that contact
-    logical, intent(out) :: is_known !! has the pair no past of another kind?
-    integer :: k
-
-    before = 0
-    is_known = .true.
-    k = p
-    if (is_matched) k = past(p)
-    if (k == 0) return
-    if (first_before(k + 1) <= first_before(k)) return
-    before = first_before(k)
-    is_known = first_before(k + 1) == before + 1 .and. feature_before(before) == 0
-  end subroutine find_past
-
-  !> Impulse and status of a contact from its past. The three lengths are asked for one by one: of one that is not known the compiler
-  !! makes a loop.
-  pure subroutine recall_impulse(before, n, impulse_before, status_before, impulse, status)
-    integer, intent(in) :: before !! contact of the past, 0 for a new one
-    integer, intent(in) :: n !! components
-    real(wp), intent(in) :: impulse_before(n, *)
-    integer(i1), intent(in) :: status_before(*)
-    real(wp), intent(inout) :: impulse(n)
-    integer(i1), intent(inout) :: status
-
-    if (before == 0) then
-      impulse = 0
-      status = status_new
-      return
-    end if
-    impulse(1) = impulse_before(1, before)
-    if (n > 1) impulse(2) = impulse_before(2, before)
-    if (n > 2) impulse(3) = impulse_before(3, before)
-    status = status_before(before)
-  end subroutine recall_impulse
 end module sg_round_pairs

@@ -14,7 +14,8 @@ module sg_touch_run
   use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_pair_alert, only: alert_of_pair
   use sg_placed_corners, only: place_corners_once
-  use sg_round_pairs, only: touch_rounds
+  use sg_polygon_pairs, only: are_plain_polygons, touch_polygons
+  use sg_round_pairs, only: are_plain_rounds, touch_rounds
   use sg_scene, only: scene_t
   use sg_shape_kinds, only: is_bounding
   use sg_timers, only: wall_now
@@ -29,8 +30,9 @@ module sg_touch_run
 
   !> What all pairs of a detection share
   type :: runs_t
-    !> Do pairs of polygons go through `follow_pairs`, and those of disks or spheres through `touch_rounds`?
-    logical :: goes_on = .false., has_rounds = .false.
+    !> Do pairs of polygons go through `follow_pairs`, or through `touch_polygons`, and those of disks or spheres through
+    !! `touch_rounds`?
+    logical :: goes_on = .false., has_polygons = .false., has_rounds = .false.
     !> Of each line of the see tables: alert distance and longest one [m], and law
     real(wp), allocatable :: near(:), longest(:)
     integer, allocatable :: law(:)
@@ -39,15 +41,17 @@ module sg_touch_run
 contains
 
   !> What all pairs share.
-  subroutine begin_runs(scene, pairs, goes_on, has_rounds, runs)
+  subroutine begin_runs(scene, pairs, history, contacts, goes_on, runs)
     type(scene_t), intent(in) :: scene !! scene with its see tables
     type(neighbours_t), intent(in) :: pairs !! list of neighbours, its alert distances set
-    logical, intent(in) :: goes_on !! do pairs of polygons go through `follow_pairs`?
-    logical, intent(in) :: has_rounds !! do pairs of disks or spheres go through `touch_rounds`?
+    type(history_t), intent(in) :: history !! contacts of the last detection
+    type(contacts_t), intent(in) :: contacts !! contacts of the step so far: none
+    logical, intent(in) :: goes_on !! do pairs of polygons go through `follow_pairs`? Else the corners of all are placed
     type(runs_t), intent(out) :: runs !! what they share
 
     runs%goes_on = goes_on
-    runs%has_rounds = has_rounds
+    runs%has_polygons = .not. goes_on .and. are_plain_polygons(scene, history, contacts)
+    runs%has_rounds = are_plain_rounds(scene, history, contacts)
     runs%near = pairs%alert
     if (pairs%is_reduced .and. .not. pairs%is_by_pair) runs%near = min(runs%near, pairs%least)
     runs%longest = scene%sees%alert
@@ -75,11 +79,13 @@ contains
       if (ends_early(pairs, contacts, next, is_late)) exit
       last = end
       is_near = .false.
-      if (runs%goes_on .or. runs%has_rounds) then
+      if (runs%goes_on .or. runs%has_polygons .or. runs%has_rounds) then
         last = min(end, (next/pairs_per_look + 1)*pairs_per_look - 1)
         call grow_contacts(contacts, contacts%n + most_followed)
         if (contacts%is_cut) exit
         if (runs%has_rounds) call touch_rounds(scene, pairs, history, runs%near, runs%law, last, contacts, first, next)
+        if (runs%has_polygons .and. next <= last) &
+          call touch_polygons(scene, pairs, history, runs%near, runs%law, last, contacts, first, next)
         if (runs%goes_on .and. next <= last) &
           call follow_pairs(scene, pairs, history, runs%near, runs%longest, runs%law, last, contacts, first, next, alert, is_near)
         if (next > last .or. contacts%n + most_followed > size(contacts%gap)) cycle
@@ -142,7 +148,7 @@ contains
         call find_in_space(scene, pairs, history, p, alert, path, contacts)
       end if
       if (.not. keeps .or. contacts%n == n) return
-      if (is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, near, contacts%n - n, contacts)
+      if (is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, near, n + 1, contacts%n, contacts)
     end associate
   end subroutine touch_near
 

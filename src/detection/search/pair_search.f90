@@ -3,11 +3,11 @@
 !! Contactors are looked at along the curve of their bodies, so that most share their cell with the one before: what lies in the
 !! cells about it is gathered once, level by level. Of what is gathered most is far, which a square decides.
 module sg_pair_search
+  use sg_around, only: around_t, find_near, gather
   use sg_bodies, only: body_present
   use sg_cells, only: build_cells, cells_t, level_cell
   use sg_contactors, only: contactors_t, n_kinds
   use sg_kinds, only: wp, i4
-  use sg_lists, only: reserve
   use sg_near, only: candidate_first, is_near
   use sg_neighbour_list, only: add_pair, neighbours_t
   use sg_owners, only: contact_owner
@@ -18,19 +18,6 @@ module sg_pair_search
   implicit none
   private
   public :: find_pairs
-
-  !> What lies in a cell of a level and in those next to it
-  type :: around_t
-    !> The cell
-    integer(i4) :: home(3) = -huge(1_i4)
-    !> Contactors, by their place in the order
-    integer :: n = 0
-    integer(i4), allocatable :: member(:)
-    !> Periods by which each is moved, along x, y, z, shape (3, n)
-    integer(i4), allocatable :: image(:, :)
-    !> Those of them that are near what is looked at, by their place among them
-    integer, allocatable :: near(:)
-  end type around_t
 
   !> Contactors in the order in which they are looked at
   type :: search_t
@@ -194,86 +181,6 @@ contains
       call consider(pairs, scene, search, i, int(around%member(m)), image)
     end do
   end subroutine look_around
-
-  !> Which of those gathered come later in the order, and have a centre within the sum of two radii?
-  pure subroutine find_near(n, member, image, after, own, centre, own_radius, radius, period, near, n_near)
-    integer, intent(in) :: n
-    integer(i4), intent(in), contiguous :: member(:), image(:, :)
-    integer, intent(in) :: after !! place in the order before those wanted
-    real(wp), intent(in) :: own(3), own_radius, period(3)
-    real(wp), intent(in), contiguous :: centre(:, :), radius(:)
-    integer, intent(inout), contiguous :: near(:)
-    integer, intent(out) :: n_near
-    real(wp) :: square
-    integer :: m, j
-
-    n_near = 0
-    do m = 1, n
-      j = member(m)
-      if (j <= after) cycle
-      square = (own(1) - centre(1, j) - period(1)*real(image(1, m), wp))**2 + &
-               (own(2) - centre(2, j) - period(2)*real(image(2, m), wp))**2 + &
-               (own(3) - centre(3, j) - period(3)*real(image(3, m), wp))**2
-      if (square > (own_radius + radius(j))**2) cycle
-      n_near = n_near + 1
-      near(n_near) = m
-    end do
-  end subroutine find_near
-
-  !> Gather what lies in a cell of a level and in the 3 by 3 (by 3) about it.
-  subroutine gather(cells, dimension, level, home, around)
-    type(cells_t), intent(in) :: cells
-    integer, intent(in) :: dimension, level
-    integer(i4), intent(in) :: home(3) !! the cell
-    type(around_t), intent(inout) :: around
-    integer(i4) :: cell(3), wrapped(-1:1, 3), images(-1:1, 3), bucket, j
-    integer :: column, row, layer, axis, step, m
-
-    images = 0
-    do axis = 1, 3
-      do step = -1, 1
-        wrapped(step, axis) = home(axis) + int(step, i4)
-        if (cells%columns(axis, level) == 0) cycle
-        wrapped(step, axis) = modulo(wrapped(step, axis), cells%columns(axis, level))
-        images(step, axis) = (home(axis) + int(step, i4) - wrapped(step, axis))/cells%columns(axis, level)
-      end do
-    end do
-    around%home = home
-    around%n = 0
-    do layer = 2 - dimension, dimension - 2
-      do row = -1, 1
-        do column = -1, 1
-          cell = [wrapped(column, 1), wrapped(row, 2), wrapped(layer, 3)]
-          bucket = cells%bucket(level, cell)
-          call make_room(around, cells%first(bucket + 1) - cells%first(bucket))
-          do m = cells%first(bucket), cells%first(bucket + 1) - 1
-            j = cells%member(m)
-            ! Other cells share the bucket.
-            if (cells%cell(1, j) /= cell(1) .or. cells%cell(2, j) /= cell(2) .or. cells%cell(3, j) /= cell(3)) cycle
-            if (cells%level(j) /= level) cycle
-            around%n = around%n + 1
-            around%member(around%n) = j
-            around%image(1, around%n) = images(column, 1)
-            around%image(2, around%n) = images(row, 2)
-            around%image(3, around%n) = images(layer, 3)
-          end do
-        end do
-      end do
-    end do
-  end subroutine gather
-
-  !> Make room for more of what is gathered.
-  subroutine make_room(around, n)
-    type(around_t), intent(inout) :: around
-    integer, intent(in) :: n
-
-    if (allocated(around%near)) then
-      if (around%n + n <= size(around%near)) return
-    end if
-    call reserve(around%member, around%n + n)
-    call reserve(around%image, 3, around%n + n)
-    call reserve(around%near, around%n + n)
-  end subroutine make_room
 
   !> Keep a pair when the two see each other and are near.
   subroutine consider(pairs, scene, search, one, other, image)

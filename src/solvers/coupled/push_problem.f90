@@ -142,7 +142,8 @@ contains
     real(wp) :: arms(2, 2), space(3, 2)
 
     if (size(self%impulse) == self%n) call grow(self)
-    self%bodies%pair(:, self%n + 1) = pairs%slot_of(contacts%body(:, k))
+    self%bodies%pair(1, self%n + 1) = pairs%slot_of(contacts%body(1, k))
+    self%bodies%pair(2, self%n + 1) = pairs%slot_of(contacts%body(2, k))
     associate (record => self%record(:, self%n + 1), n => contacts%normal(:, k))
       record(:scene%dimension) = n
       if (scene%dimension == 2) then
