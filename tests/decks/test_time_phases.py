@@ -8,6 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program  # noqa: E402
+from time_phases import summary  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 #: What makes each scene small: its grains, and the walls about them
@@ -16,6 +17,14 @@ PLANE = {"sample[1].count": 60, "sample[1].box": "[0, 0, 12, 14]", "wall[3].from
 SPACE = {"sample[1].count": 60, "sample[1].box": "[0, 0, 0, 5, 5, 12]", "container[1].size": "[5, 5, 12]"}
 SMALL = {"disks": PLANE, "polygons": PLANE, "spheres": SPACE, "polyhedra": SPACE}
 PHASES = ("predict", "detect", "assemble", "solve", "update", "measure")
+
+
+class Summary(unittest.TestCase):
+    def test_means_of_the_cheapest_round_or_a_share_of_all_steps(self):
+        rounds = [{"solve": [4.0, 2.0], "step": [9.0, 5.0]}, {"solve": [1.0, 3.0], "step": [10.0, 6.0]}]
+        self.assertEqual(summary(rounds, None), {"solve": 3.0, "step": 7.0})
+        self.assertEqual(summary(rounds, 0.1), {"solve": 1.0, "step": 5.0})
+        self.assertEqual(summary(rounds, 0.5), {"solve": 3.0, "step": 9.0})
 
 
 class TimePhases(ProgramCase):
@@ -50,6 +59,13 @@ class TimePhases(ProgramCase):
                 for phase in PHASES:
                     self.assertGreaterEqual(float(row[phase]), 0, phase)
                 self.assertGreater(float(row["step"]), 0)
+
+    def test_a_share_of_steps(self):
+        if not self.has_hdf5():
+            self.skipTest("no restart files without HDF5")
+        (row,) = self.rows("disks", "--share", "0.5")
+        for phase in PHASES:
+            self.assertGreaterEqual(float(row[phase]), 0, phase)
 
     def test_ranks_side_by_side(self):
         if not self.has_hdf5():

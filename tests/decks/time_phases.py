@@ -5,8 +5,9 @@ Each deck, by default those of `input_decks/engines`, runs once, without pushes,
 the folder of states. Every program then goes on from it, in turns, by steps of a fixed number of plain sweeps: a few of them,
 and some more, from which follow the cost of a sweep and the fixed cost of a solve in sweeps. Every step is recorded, so that
 `measure` is the cost of a recorded step; `step` leaves it out, as it leaves out the output. Of several rounds the one with the
-least time counts. Times are CPU times; with `--ranks` or `--threads` each program runs on each of the numbers given, in turns too,
-and times are by the clock, of the first rank. Tables are in Markdown.
+least time counts; or, with `--share 0.1`, what the least tenth of all single steps takes, which scatters less where other processes
+come and go. Times are CPU times; with `--ranks` or `--threads` each program runs on each of the numbers given, in turns too, and
+times are by the clock, of the first rank. Tables are in Markdown.
 """
 
 import argparse
@@ -61,37 +62,47 @@ def settle(variant, deck, state, settings):
 
 
 def time_steps(variant, deck, state, settings, sweeps, steps):
-    """Go on from a state: milliseconds per step of each phase, and the last row of the record."""
+    """Go on from a state: milliseconds of each phase in single steps, and the last row of the record."""
     done = json.loads((state / "run.json").read_text())["steps"]
     more = {"solver.maximum_sweeps": sweeps, "solver.check_every": sweeps, "time.steps": done + FIRST_STEPS + steps}
     results = state.with_name(state.name + ".timed")
     run(variant, deck, results, TIMED | settings | more, "--restart", str(state))
     with open(results / "record.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if int(row["step"]) >= done + FIRST_STEPS]
-    first, last = rows[0], rows[-1]
     phases = {}
     for name in (*PHASES, "measure"):
-        column = f"{variant.clock}_{name}"
-        phases[name] = 1e3 * (float(last[column]) - float(first[column])) / steps
-    return phases | {"step": sum(phases[name] for name in PHASES)}, last
+        totals = [1e3 * float(row[f"{variant.clock}_{name}"]) for row in rows]
+        phases[name] = [after - before for before, after in zip(totals, totals[1:])]
+    phases["step"] = [sum(parts) for parts in zip(*(phases[name] for name in PHASES))]
+    return phases, rows[-1]
 
 
-def measure(variants, deck, state, settings, sweeps, steps, rounds):
-    """Rows of a table, one per variant: phases of the cheapest round, cost of a sweep, fixed cost of a solve in sweeps."""
-    best = [{} for _ in variants]
+def summary(rounds, share):
+    """Milliseconds of each phase: means of the cheapest round, or what a share of the single steps of all rounds stays below."""
+    if share is None:
+        cheapest = min(rounds, key=lambda phases: sum(phases["step"]))
+        return {name: sum(times) / len(times) for name, times in cheapest.items()}
+    together = {name: sorted(time for phases in rounds for time in phases[name]) for name in rounds[0]}
+    return {name: times[int(share * len(times))] for name, times in together.items()}
+
+
+def measure(variants, deck, state, settings, sweeps, steps, rounds, share):
+    """Rows of a table, one per variant: phases, cost of a sweep, fixed cost of a solve in sweeps."""
+    timed = [{n: [] for n in sweeps} for _ in variants]
+    rows = [{} for _ in variants]
+    few, many = sweeps
     for _ in range(rounds):
-        for variant, row in zip(variants, best):
+        for variant, times, row in zip(variants, timed, rows):
             for n in sweeps:
                 phases, record = time_steps(variant, deck, state, settings, n, steps)
-                if n not in row or phases["step"] < row[n]["step"]:
-                    row[n] = phases
-                if n == sweeps[0]:
+                times[n].append(phases)
+                if n == few:
                     row["record"] = record
-    few, many = sweeps
-    for row in best:
+    for times, row in zip(timed, rows):
+        row |= {n: summary(times[n], share) for n in sweeps}
         row["sweep"] = (row[many]["solve"] - row[few]["solve"]) / (many - few)
         row["fixed"] = row[few]["solve"] / row["sweep"] - few if row["sweep"] > 0 else math.nan
-    return best
+    return rows
 
 
 def line(deck, variant, row, sweeps, radius):
@@ -111,6 +122,8 @@ def main():
     parser.add_argument("--steps", type=int, default=40, help="steps that are timed")
     parser.add_argument("--sweeps", type=int, nargs=2, default=(8, 48), help="sweeps per step: few and many")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--share", type=float, help="share of single steps, 0 to below 1, that take no longer than the times shown "
+                        "(default: means of the cheapest round)")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1], help="numbers of ranks")
     parser.add_argument("--threads", type=int, nargs="+", default=[1], help="numbers of threads of each rank")
     parser.add_argument("--launcher", default="mpiexec", help="what starts several ranks")
@@ -128,7 +141,7 @@ def main():
     for deck in decks:
         state = Path(chosen.states) / deck.stem
         radius = settle(Variant(programs[0]), deck, state, settings)["mean_radius"]
-        rows = measure(variants, deck, state, settings, chosen.sweeps, chosen.steps, chosen.rounds)
+        rows = measure(variants, deck, state, settings, chosen.sweeps, chosen.steps, chosen.rounds, chosen.share)
         for variant, row in zip(variants, rows):
             print(line(deck, variant, row, chosen.sweeps, radius), flush=True)
 
