@@ -24,6 +24,8 @@ module sg_problem
     real(wp), allocatable :: opening(:)
     !> Velocities and inverse masses by slot, shape (body_length, bodies): free velocities, then the solution
     real(wp), allocatable :: body(:, :)
+    !> Can impulses move each of the bodies? There only where these have been loaded from those of a scene
+    logical, allocatable :: moves(:)
     !> Norm of q, the relative velocities (with bias) without impulses [m/s]
     real(wp) :: free_norm = 0
     !> Gravity times step [m/s]
@@ -75,6 +77,7 @@ contains
     if (fits) return
     if (allocated(problem%record)) deallocate (problem%record, problem%impulse, problem%pair, problem%body)
     if (allocated(problem%opening)) deallocate (problem%opening)
+    if (allocated(problem%moves)) deallocate (problem%moves)
     allocate (problem%pair(2, room(n_contacts)), source=0_i4)
     allocate (problem%record(record_length(kind), room(n_contacts)), source=0.0_wp)
     allocate (problem%impulse(impulse_length(kind), room(n_contacts)), source=0.0_wp)

@@ -6,19 +6,19 @@ module sg_problem_bodies
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
   use sg_records, only: arm_frictional, arm_frictionless, arm_inverse_i, arm_inverse_mx, arm_spin, ball_frictional, &
-                        ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, body_length, is_in_space, &
-                        plain_kind, round_frictional, round_frictionless, round_frictionless_inverse_mx, &
-                        round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, round_inverse_my, round_spin, &
-                        solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, solid_inverse_yz, solid_spin_x, solid_spin_z, &
-                        velocity_x, velocity_y, velocity_z
+                        ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, body_length, &
+                        first_inverse, is_in_space, plain_kind, round_frictional, round_frictionless, &
+                        round_frictionless_inverse_mx, round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, &
+                        round_inverse_my, round_spin, solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, &
+                        solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, velocity_y, velocity_z
   use sg_rotations, only: frame_of, turned_back, turned_by
   use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   implicit none
   private
-  public :: load_bodies, take_velocities
+  public :: find_movable, load_bodies, take_velocities
 
-  !> Least bodies of a piece
-  integer, parameter :: least_bodies = 512
+  !> Least bodies of a piece, and those that are loaded at once
+  integer, parameter :: least_bodies = 512, chunk = 256
 
   interface
     !> Records of balls with friction, four at a time (ball_bodies.cpp).
@@ -43,31 +43,55 @@ module sg_problem_bodies
 contains
 
   !> Free velocities and inverse masses by slot.
-  subroutine load_bodies(bodies, kind, body_of, radius, body)
+  subroutine load_bodies(bodies, kind, body_of, radius, body, moves)
     type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
     integer, intent(in) :: kind !! kind of problem
     integer(i4), intent(in), contiguous :: body_of(:) !! body of each slot
     real(wp), intent(in), contiguous :: radius(:) !! radius of round bodies [m]
     real(wp), intent(inout), contiguous :: body(:, :) !! records to fill
-
+    logical, allocatable, intent(inout), optional :: moves(:) !! can impulses move each of the bodies?
     type(share_t) :: share
     type(piece_t) :: piece
-    integer :: t
+    integer :: t, a, z
 
+    if (present(moves)) then
+      if (allocated(moves)) then
+        if (size(moves) /= size(body_of)) deallocate (moves)
+      end if
+      if (.not. allocated(moves)) allocate (moves(size(body_of)))
+    end if
     call begin_share(share, size(body_of), least_bodies)
-    !$omp taskloop default(shared) private(t, piece) grainsize(1) if (share%pieces > 1)
+    !$omp taskloop default(shared) private(t, a, z, piece) grainsize(1) if (share%pieces > 1)
     do t = 1, n_sharing()
       do while (takes(share, piece))
-        associate (a => piece%first, z => piece%last)
+        ! Marks are set while records are in the first cache.
+        do a = piece%first, piece%last, chunk
+          z = min(piece%last, a + chunk - 1)
           if (is_in_space(kind)) then
             call load_space_bodies(bodies, kind, body_of(a:z), radius, body(:, a:z))
           else
             call load_plane_bodies(bodies, kind, body_of(a:z), radius, body(:, a:z))
           end if
-        end associate
+          if (present(moves)) call find_movable(z - a + 1, body_length(kind), first_inverse(kind), body(:, a:z), moves(a:z))
+        end do
       end do
     end do
   end subroutine load_bodies
+
+  !> Mark the bodies that impulses can move.
+  pure subroutine find_movable(n, length, inverse, body, moves)
+    integer, intent(in) :: n !! bodies
+    integer, intent(in) :: length !! of a record
+    integer, intent(in) :: inverse !! place of the first inverse mass in it
+    real(wp), intent(in) :: body(length, n) !! records
+    logical, intent(out) :: moves(n) !! the marks
+    integer :: b
+
+    do b = 1, n
+      moves(b) = body(inverse, b) > 0
+      if (.not. moves(b)) moves(b) = any(body(inverse + 1:, b) > 0)
+    end do
+  end subroutine find_movable
 
   !> Those of bodies in the plane.
   pure subroutine load_plane_bodies(bodies, kind, body_of, radius, body)

@@ -155,5 +155,6 @@ contains
     call tables%note('opening', problem%opening)
     call tables%begin(name, per_body)
     call tables%note('body', problem%body)
+    call tables%note('moves', problem%moves)
   end subroutine list_problem
 end module sg_inventory

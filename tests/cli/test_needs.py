@@ -62,7 +62,7 @@ neighbours.body_of neighbours.slot_of neighbours.built neighbours.margin pairs.c
 contacts.contactor contacts.body contacts.feature contacts.law contacts.normal contacts.point contacts.gap contacts.image
 contacts.impulse contacts.status
 history.contactor history.image history.first history.feature history.impulse history.status history.past
-problem.pair problem.record problem.impulse problem.opening problem.body
+problem.pair problem.record problem.impulse problem.opening problem.body problem.moves
 order.contact order.chosen order.missed order.dealt order.is_dealt order.moves order.groups_of
 active_set.closing active_set.is_wanted active_set.is_ordered errors.bounds
 {MOMENTUM}"""

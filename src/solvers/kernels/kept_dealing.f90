@@ -5,6 +5,7 @@ module sg_kept_dealing
   use sg_kinds, only: wp, i4
   use sg_lists, only: copy_flags, copy_integers
   use sg_problem, only: problem_t
+  use sg_problem_bodies, only: find_movable
   use sg_records, only: body_length, first_inverse
   implicit none
   private
@@ -47,7 +48,11 @@ contains
       self%groups = groups
       call copy_flags(n, is_dealt, self%is_dealt)
       call copy_integers(2*n, problem%pair, self%slots)
-      call find_movable(m, body_length(problem%kind), first_inverse(problem%kind), problem%body, self%moves)
+      if (allocated(problem%moves)) then
+        call copy_flags(m, problem%moves, self%moves)
+      else
+        call find_movable(m, body_length(problem%kind), first_inverse(problem%kind), problem%body, self%moves)
+      end if
     end associate
   end subroutine kept_dealing_note
 
@@ -73,8 +78,23 @@ contains
             .and. problem%n_bodies == self%n_bodies
     if (holds) holds = are_same_marks(self%n_contacts, self%is_dealt, is_wanted)
     if (holds) holds = are_same_slots(2*self%n_contacts, self%slots, problem%pair)
-    if (holds) holds = do_same_move(self%n_bodies, body_length(self%kind), first_inverse(self%kind), problem%body, self%moves)
+    if (holds) holds = do_same_move(self, problem)
   end function kept_dealing_holds
+
+  !> Can impulses move the same bodies?
+  pure logical function do_same_move(self, problem)
+    class(kept_dealing_t), intent(in) :: self
+    type(problem_t), intent(in) :: problem
+    logical, allocatable :: moves(:)
+
+    if (allocated(problem%moves)) then
+      do_same_move = are_same_marks(self%n_bodies, self%moves, problem%moves)
+    else
+      allocate (moves(self%n_bodies))
+      call find_movable(self%n_bodies, body_length(self%kind), first_inverse(self%kind), problem%body, moves)
+      do_same_move = are_same_marks(self%n_bodies, self%moves, moves)
+    end if
+  end function do_same_move
 
   !> Do two lists mark the same?
   pure logical function are_same_marks(n, one, other)
@@ -97,30 +117,4 @@ contains
     end do
     are_same_slots = differences == 0
   end function are_same_slots
-
-  !> Are the bodies that impulses can move those marked?
-  pure logical function do_same_move(n, length, inverse, body, moves)
-    integer, intent(in) :: n, length, inverse
-    real(wp), intent(in) :: body(length, n)
-    logical, intent(in) :: moves(n)
-    integer :: b, differences
-
-    differences = 0
-    do b = 1, n
-      differences = differences + merge(1, 0, (body(inverse, b) > 0 .or. any(body(inverse + 1:, b) > 0)) .neqv. moves(b))
-    end do
-    do_same_move = differences == 0
-  end function do_same_move
-
-  !> Mark the bodies that impulses can move.
-  pure subroutine find_movable(n, length, inverse, body, moves)
-    integer, intent(in) :: n, length, inverse
-    real(wp), intent(in) :: body(length, n)
-    logical, intent(inout) :: moves(n)
-    integer :: b
-
-    do b = 1, n
-      moves(b) = body(inverse, b) > 0 .or. any(body(inverse + 1:, b) > 0)
-    end do
-  end subroutine find_movable
 end module sg_kept_dealing

@@ -4,6 +4,7 @@ program test_sweep_order
   use sg_kinds, only: wp, i4
   use sg_order_values, only: give_impulses
   use sg_problem, only: problem_t, reserve_problem
+  use sg_problem_bodies, only: find_movable
   use sg_random, only: random_t
   use sg_records, only: arm_frictional, ball_frictional, first_inverse, normal_x, normal_z, round_frictional, solid_frictional, &
                         solid_cohesion, solid_law, solid_tangent_x, solid_tangent_z
@@ -147,6 +148,12 @@ contains
       case (5)
         is_wanted = .true.
       end select
+      ! Bodies that were loaded from a scene come with marks of those that move.
+      if (allocated(problem%moves)) deallocate (problem%moves)
+      if (modulo(round, 3) > 0) then
+        allocate (problem%moves(problem%n_bodies))
+        call find_movable(problem%n_bodies, size(problem%body, 1), first_inverse(kind), problem%body, problem%moves)
+      end if
       problem%record = problem%record*random%uniform(1.0_wp, 1.1_wp)
       problem%impulse = random%uniform()
       call set_order(kept, problem, is_wanted, options)
