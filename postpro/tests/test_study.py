@@ -10,6 +10,7 @@ import re
 import shutil
 import signal
 import subprocess
+import threading
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -30,7 +31,9 @@ from splitgrain_postpro.study.measures import efforts_to_levels, order_of
 from splitgrain_postpro.study.model import Case
 from splitgrain_postpro.study.problems import distance
 from splitgrain_postpro.study.profiles import profile, share, times_of
+from splitgrain_postpro.study.program import Program
 from splitgrain_postpro.study.svg import embedded, is_cut_off
+from splitgrain_postpro.study.threads import do_all, threads_of
 from splitgrain_postpro.study.toml_lines import line_of
 from splitgrain_postpro.style import styled
 
@@ -399,6 +402,20 @@ def test_stopped_and_gone_on(tmp_path):
     path = written(tmp_path, BOUNCES)
     again = subprocess.run(words, capture_output=True, text=True, timeout=300)
     assert again.returncode == 0 and "1 of 3 runs to do, 2 done before" in again.stdout
+
+
+@with_program
+def test_term_while_runs_are_waited_for(tmp_path):
+    # A run of many million steps on each thread. The signal ends them, and with them the wait; nothing runs after that.
+    program = Program(PROGRAM)
+    threading.Timer(1, os.kill, (os.getpid(), signal.SIGTERM)).start()
+    with pytest.raises(KeyboardInterrupt), threads_of(program, 2) as pool:
+        many = ["--set", "time.step=1e-8", "--set", "time.steps=75000000", "--set", "output.every=0"]
+        deck = DECKS / "bouncing_ball.toml"
+        do_all(pool, lambda name: program.call(["run", deck, "--quiet", "--output", tmp_path / name, *many], 600), "ab")
+    assert not program.running
+    with pytest.raises(InterruptedError):
+        program.call(["--version"], 10)
 
 
 @with_program

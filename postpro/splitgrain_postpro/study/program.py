@@ -8,7 +8,8 @@ import shutil
 import signal
 import subprocess
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import StudyError
@@ -33,7 +34,7 @@ class Program:
         if done.returncode or not lines or not lines[0].startswith("splitgrain"):
             raise StudyError(f"{self.path} is no splitgrain: it prints no version")
         self.version = " ".join([lines[0], *(line.split()[1] for line in lines if line.startswith("commit"))])
-        self.running, self.lock, self.is_stopped = set(), threading.Lock(), False
+        self.running, self.lock, self.is_stopped = set(), threading.RLock(), False
 
     def call(self, words: Sequence, seconds: float) -> tuple[int | None, str, str]:
         """Run the program; exit code (None when CPU time ran out), what it printed, and the first line of its errors, warnings left out."""
@@ -61,6 +62,20 @@ class Program:
         is_out_of_time = process.returncode in (-signal.SIGXCPU, -signal.SIGKILL, 128 + signal.SIGXCPU, 128 + signal.SIGKILL)
         lines = [line for line in errors.strip().splitlines() if "warning:" not in line]
         return None if is_out_of_time else process.returncode, printed, lines[0] if lines else ""
+
+    @contextmanager
+    def ended_by_signals(self) -> Iterator[None]:
+        """INT and TERM end all that runs, which ends the wait for it. An exception out of a signal could leave locks of that wait closed."""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        caught = [number for number in (signal.SIGINT, signal.SIGTERM) if signal.getsignal(number) not in (signal.SIG_IGN, None)]
+        before = {number: signal.signal(number, lambda *_: self.stop()) for number in caught}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
 
     def stop(self) -> None:
         """End all that runs; nothing starts any more."""

@@ -5,7 +5,6 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from .problems import ProblemRunner
 from .program import Program
 from .simulations import run_simulation
 from .states import prepare_states
+from .threads import as_they_end, do_all, threads_of
 from .verdict_file import VerdictStudy
 
 EXIT_OUTPUT = 5
@@ -77,22 +77,16 @@ def run_jobs(
     todo = list({job.key: job for job in jobs if job.key not in results}.values())
     show(f"{len(todo)} of {len(jobs)} runs to do" + (f", {len(jobs) - len(todo)} done before" if len(todo) < len(jobs) else ""))
     problems = ProblemRunner(study, store, program) if study.of_problems else None
-    pool = ThreadPoolExecutor(workers)
-    try:
+    with threads_of(program, workers) as pool:
         if problems:
             # Problems and reference solutions come first: all others need them.
-            list(pool.map(problems.prepare, {case.name: case for case in study.cases}.values()))
+            do_all(pool, problems.prepare, {case.name: case for case in study.cases}.values())
         prepare_states(study, todo, store, program, pool)
         waiting = {pool.submit(_do, job, problems, store, program, run): job for job in todo}
-        for count, done in enumerate(as_completed(waiting), 1):
+        for count, done in enumerate(as_they_end(waiting), 1):
             job = waiting[done]
             results[job.key] = done.result()
             show(f"{count}/{len(todo)} {job.label}: {in_words(results[job.key])}")
-    except BaseException:
-        program.stop()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
     return [results[job.key] for job in jobs]
 
 

@@ -14,6 +14,7 @@ from ..errors import StudyError
 from .jobs import Job
 from .model import Study
 from .program import Program, settings_words
+from .threads import do_all
 from .verdict_file import VerdictStudy
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def prepare_states(study: Study | VerdictStudy, jobs: Iterable, store: Store, pr
     """Make all states that jobs begin from and that are not there yet."""
     first = {state_folder(job, store): job for job in jobs if job.case.start}
     todo = [(folder, job) for folder, job in first.items() if not (folder / "run.json").exists()]
-    list(pool.map(lambda item: _make(*item, study, store, program), todo))
+    do_all(pool, lambda item: _make(*item, study, store, program), todo)
 
 
 def state_folder(job: Job, store: Store) -> Path:

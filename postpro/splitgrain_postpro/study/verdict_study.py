@@ -1,12 +1,12 @@
 """A study that gives verdicts, from its file to its report: all values first, then thresholds between them."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from .model import Result
 from .program import Program
 from .runner import Store, run_jobs
+from .threads import do_all, threads_of
 from .thresholds import sharpen
 from .verdict_file import VerdictReader, VerdictStudy
 from .verdict_report import VerdictReport
@@ -49,11 +49,5 @@ def sharpen_all(study: VerdictStudy, table: Verdicts, store: Store, program: Pro
 
         table[place] = sharpen(study, table[place], run)
 
-    pool = ThreadPoolExecutor(workers)
-    try:
-        list(pool.map(one, list(table)))
-    except BaseException:
-        program.stop()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
+    with threads_of(program, workers) as pool:
+        do_all(pool, one, list(table))
