@@ -52,10 +52,14 @@ contains
     runs%goes_on = goes_on
     runs%has_polygons = .not. goes_on .and. are_plain_polygons(scene, history, contacts)
     runs%has_rounds = are_plain_rounds(scene, history, contacts)
-    runs%near = pairs%alert
-    if (pairs%is_reduced .and. .not. pairs%is_by_pair) runs%near = min(runs%near, pairs%least)
-    runs%longest = scene%sees%alert
-    runs%law = scene%sees%law
+    ! Allocated before: an assignment would compute with the bounds of what is not there.
+    associate (n => size(scene%sees))
+      allocate (runs%near(n), runs%longest(n), runs%law(n))
+    end associate
+    runs%near(:) = pairs%alert
+    if (pairs%is_reduced .and. .not. pairs%is_by_pair) runs%near(:) = min(runs%near, pairs%least)
+    runs%longest(:) = scene%sees%alert
+    runs%law(:) = scene%sees%law
   end subroutine begin_runs
 
   !> Add the contacts of a run of pairs to those found so far.

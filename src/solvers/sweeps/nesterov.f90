@@ -154,7 +154,10 @@ contains
     do s = 1, size(orders)
       call hold(orders(s), self%past(s))
     end do
-    self%body = problem%body
+    ! Allocated before: an assignment would compute with the bounds of what is not there.
+    if (allocated(self%body)) deallocate (self%body)
+    allocate (self%body(size(problem%body, 1), size(problem%body, 2)))
+    self%body(:, :) = problem%body
     self%rate = problem%cell%rate
     self%has_start = .false.
     self%sums = no_sums
