@@ -12,6 +12,7 @@ module sg_follow_pairs
   use sg_neighbour_list, only: neighbours_t
   use sg_pair_alert, only: alert_of_pair
   use sg_path_bound, only: is_clear
+  use sg_plain_past, only: put_names, recall_impulse
   use sg_scene, only: scene_t
   implicit none
   private
@@ -145,15 +146,11 @@ contains
         if (kept_before(n_kept_in_plane - 1, k) > farthest) cycle
         n = n + 1
         call move_from(turn(:, row(a)), centre(:, a), offset, kept_before(:, k), pose, normal(:, n), point(:, n), gap(n))
-        contactor(1, n) = c
-        contactor(2, n) = a
-        body(1, n) = body_of(c)
-        body(2, n) = body_of(a)
+        call put_names(c, a, body_of, contactor(:, n), body(:, n))
         image_of(n) = image(p)
         law(n) = int(law_of(see(p)), i4)
         feature(n) = feature_before(k)
-        impulse(:, n) = impulse_before(:, k)
-        status(n) = status_before(k)
+        call recall_impulse(k, n_components, impulse_before, status_before, impulse(:, n), status(n))
         kept(:, n) = kept_before(:, k)
         kept(n_kept_in_plane, n) = to
       end do

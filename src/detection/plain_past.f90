@@ -1,11 +1,11 @@
-!> What contacts take over from those of the last detection, where that is no more than impulse and status: for loops over plain
-!! arrays.
+!> What loops over plain arrays put into a contact: whose it is, and what it takes over from the last detection, where that is no
+!! more than impulse and status.
 module sg_plain_past
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: status_new
   implicit none
   private
-  public :: find_named, find_past, recall_impulse
+  public :: find_named, find_past, put_names, recall_impulse
 
 contains
 
@@ -38,6 +38,20 @@ contains
       if (feature_before(k) == feature) before = k
     end do
   end function find_named
+
+  !> Name the two of a contact: contactors and bodies.
+  pure subroutine put_names(c, a, body_of, contactor, body)
+    integer(i4), intent(in) :: c !! candidate
+    integer(i4), intent(in) :: a !! antagonist
+    integer(i4), intent(in) :: body_of(*) !! body of each contactor
+    integer(i4), intent(inout) :: contactor(2) !! contactors of the contact
+    integer(i4), intent(inout) :: body(2) !! its bodies
+
+    contactor(1) = c
+    contactor(2) = a
+    body(1) = body_of(c)
+    body(2) = body_of(a)
+  end subroutine put_names
 
   !> Impulse and status of a contact from its past. Components are asked for one by one: of a number that is not known the compiler
   !! makes a loop.

@@ -13,7 +13,7 @@ module sg_polygon_pairs
   use sg_neighbour_list, only: neighbours_t
   use sg_pair_alert, only: alert_of_pair
   use sg_path_bound, only: is_clear
-  use sg_plain_past, only: find_named, find_past, recall_impulse
+  use sg_plain_past, only: find_named, find_past, put_names, recall_impulse
   use sg_scene, only: scene_t
   use sg_touch, only: touch_t
   use sg_touch_polygon_polygon, only: touch_polygon_polygon
@@ -123,10 +123,7 @@ contains
       if (from(1) <= from(2) .and. any(before(:touch%n) == 0)) return
       do i = 1, touch%n
         n = n + 1
-        contactor(1, n) = c
-        contactor(2, n) = a
-        body(1, n) = body_of(c)
-        body(2, n) = body_of(a)
+        call put_names(c, a, body_of, contactor(:, n), body(:, n))
         image_of(n) = image(p)
         law(n) = int(law_of(see(p)), i4)
         feature(n) = touch%feature(i)

@@ -8,7 +8,7 @@ module sg_round_pairs
   use sg_kinds, only: wp, i1, i4
   use sg_neighbour_list, only: neighbours_t
   use sg_pair_alert, only: alert_of_pair
-  use sg_plain_past, only: find_named, find_past, recall_impulse
+  use sg_plain_past, only: find_named, find_past, put_names, recall_impulse
   use sg_scene, only: scene_t
   implicit none
   private
@@ -76,12 +76,11 @@ contains
     integer(i1), intent(inout) :: image_of(*), status(*)
     real(wp), intent(inout) :: normal(2, *), point(2, *), gap(*), impulse(n_components, *)
     integer, intent(inout) :: n, p
-    real(wp) :: x, y, square, both, alert, distance, half
+    real(wp) :: x, y, square, both, distance, half
     integer(i4) :: c, a
     integer :: before, from(2)
-    logical :: is_by_pair
+    logical :: is_apart
 
-    is_by_pair = pairs%is_reduced .and. pairs%is_by_pair
     do p = p, last
       c = pair(1, p)
       a = pair(2, p)
@@ -91,14 +90,8 @@ contains
       y = centre(2, c) - centre(2, a)
       square = x**2 + y**2
       both = reach(c) + reach(a)
-      alert = near(see(p))
-      if (square >= max(0.0_wp, both + alert)**2) cycle
-      if (is_by_pair) then
-        alert = alert_of_pair(pairs, p)
-        if (square >= max(0.0_wp, both + alert)**2) cycle
-      end if
-      distance = sqrt(square)
-      if (distance - both >= alert) cycle
+      call judge(pairs, p, near(see(p)), square, both, distance, is_apart)
+      if (is_apart) cycle
       call find_past(p, is_matched, past, first_before, from)
       before = find_named(0_i4, from, feature_before)
       if (from(1) <= from(2) .and. before == 0) return
@@ -117,10 +110,7 @@ contains
       point(1, n) = (centre(1, c) - reach(c)*x) - half*x
       point(2, n) = (centre(2, c) - reach(c)*y) - half*y
       image_of(n) = image(p)
-      contactor(1, n) = c
-      contactor(2, n) = a
-      body(1, n) = body_of(c)
-      body(2, n) = body_of(a)
+      call put_names(c, a, body_of, contactor(:, n), body(:, n))
       law(n) = int(law_of(see(p)), i4)
       feature(n) = 0
       call recall_impulse(before, n_components, impulse_before, status_before, impulse(:, n), status(n))
@@ -142,12 +132,11 @@ contains
     integer(i1), intent(inout) :: image_of(*), image_y_of(*), status(*)
     real(wp), intent(inout) :: normal(3, *), point(3, *), gap(*), impulse(n_components, *)
     integer, intent(inout) :: n, p
-    real(wp) :: x, y, z, square, both, alert, distance, half
+    real(wp) :: x, y, z, square, both, distance, half
     integer(i4) :: c, a
     integer :: before, from(2)
-    logical :: is_by_pair
+    logical :: is_apart
 
-    is_by_pair = pairs%is_reduced .and. pairs%is_by_pair
     do p = p, last
       c = pair(1, p)
       a = pair(2, p)
@@ -158,14 +147,8 @@ contains
       z = centre(3, c) - centre(3, a)
       square = x**2 + y**2 + z**2
       both = reach(c) + reach(a)
-      alert = near(see(p))
-      if (square >= max(0.0_wp, both + alert)**2) cycle
-      if (is_by_pair) then
-        alert = alert_of_pair(pairs, p)
-        if (square >= max(0.0_wp, both + alert)**2) cycle
-      end if
-      distance = sqrt(square)
-      if (distance - both >= alert) cycle
+      call judge(pairs, p, near(see(p)), square, both, distance, is_apart)
+      if (is_apart) cycle
       call find_past(p, is_matched, past, first_before, from)
       before = find_named(0_i4, from, feature_before)
       if ((from(1) <= from(2) .and. before == 0) .or. .not. square > tiny(square)) return
@@ -183,13 +166,34 @@ contains
       point(3, n) = (centre(3, c) - reach(c)*z) - half*z
       image_of(n) = image(p)
       image_y_of(n) = image_y(p)
-      contactor(1, n) = c
-      contactor(2, n) = a
-      body(1, n) = body_of(c)
-      body(2, n) = body_of(a)
+      call put_names(c, a, body_of, contactor(:, n), body(:, n))
       law(n) = int(law_of(see(p)), i4)
       feature(n) = 0
       call recall_impulse(before, n_components, impulse_before, status_before, impulse(:, n), status(n))
     end do
   end subroutine touch_spheres
+
+  !> Are the two of a pair beyond its alert distance? Squares decide for most.
+  pure subroutine judge(pairs, p, near, square, both, distance, is_apart)
+    type(neighbours_t), intent(in) :: pairs
+    integer, intent(in) :: p
+    real(wp), intent(in) :: near !! alert distance of its line [m]
+    real(wp), intent(in) :: square !! of the distance of the two centres [m2]
+    real(wp), intent(in) :: both !! the two radii, added [m]
+    real(wp), intent(out) :: distance !! of the centres, where they are not found apart by its square [m]
+    logical, intent(out) :: is_apart
+    real(wp) :: alert
+
+    distance = 0
+    alert = near
+    is_apart = square >= max(0.0_wp, both + alert)**2
+    if (is_apart) return
+    if (pairs%is_reduced .and. pairs%is_by_pair) then
+      alert = alert_of_pair(pairs, p)
+      is_apart = square >= max(0.0_wp, both + alert)**2
+      if (is_apart) return
+    end if
+    distance = sqrt(square)
+    is_apart = distance - both >= alert
+  end subroutine judge
 end module sg_round_pairs

@@ -1,7 +1,8 @@
 !> Narrow phase of a run of pairs: their contacts, pair by pair.
 !!
 !! Several threads may each take a run of one list, with contacts of their own (sg_touch_pieces). What a pair changes belongs to it
-!! alone: what is tried first of it and its clearance; corners of a polygon are placed by the thread that first needs them.
+!! alone: what is tried first of it and its clearance; corners of a polygon are placed before, or by the thread that first needs
+!! them.
 module sg_touch_run
   use sg_add_contacts, only: add_contacts, add_kept, is_slow, keep_pair, kept_length, law_of
   use sg_contactors, only: kind_polygon

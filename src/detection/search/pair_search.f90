@@ -28,11 +28,10 @@ module sg_pair_search
     !> Centres within the period, sheared back by the tilt of a cell [m], and periods to where they are, shape (3, n)
     real(wp), allocatable :: centre(:, :)
     integer(i4), allocatable :: crossed(:, :)
-    !> Radii with margins, and how much nearer than by these alone two may be sought, stretched by a tilt [m]
-    real(wp), allocatable :: reach(:)
-    real(wp) :: margin = 0
-    !> The same, but out of all bounds for what bounds others, since it reaches beyond the circle or sphere about it [m]
+    !> Radii with margins, stretched by a tilt, but out of all bounds for what bounds others, since it reaches beyond the circle or
+    !! sphere about it; and how much farther apart than these two may be sought [m]
     real(wp), allocatable :: radius(:)
+    real(wp) :: margin = 0
     !> Periods, and what distances may lose where places are brought back into them [m]
     real(wp) :: period(3) = 0, slack = 0
     !> Cells, and what lies about those looked at last, level by level
@@ -69,28 +68,30 @@ contains
     type(neighbours_t), intent(in) :: pairs
     type(scene_t), intent(in) :: scene
     integer(i4), intent(in), contiguous :: order(:)
+    real(wp), allocatable :: reach(:)
     integer :: i
 
     search%contactor = order
     if (allocated(scene%bodies%presence)) &
       search%contactor = pack(order, scene%bodies%presence(scene%contactors%body(order)) == body_present)
     call tabulate_sees(scene, search%table)
-    call place_search(search, pairs, scene)
-    search%radius = (1 + 64*epsilon(1.0_wp))*search%reach
+    call place_search(search, pairs, scene, reach)
+    search%radius = (1 + 64*epsilon(1.0_wp))*reach
     allocate (search%class(size(search%contactor)))
     do i = 1, size(search%contactor)
       search%class(i) = int(class_of(scene%contactors, int(search%contactor(i))), i4)
       if (is_bounding(scene%contactors%kind(search%contactor(i)))) search%radius(i) = 1e100_wp
     end do
-    call build_cells(search%cells, search%centre, search%reach, search%margin, search%period)
+    call build_cells(search%cells, search%centre, reach, search%margin, search%period)
     allocate (search%around(search%cells%n_levels))
   end subroutine begin_search
 
   !> Centres and radii as cells want them.
-  subroutine place_search(search, pairs, scene)
+  subroutine place_search(search, pairs, scene, reach)
     type(search_t), intent(inout) :: search
     type(neighbours_t), intent(in) :: pairs
     type(scene_t), intent(in) :: scene
+    real(wp), allocatable, intent(out) :: reach(:) !! radii with margins, stretched by a tilt [m]
     real(wp) :: slope, farthest
     integer :: i, axis
 
@@ -99,7 +100,7 @@ contains
     slope = 0
     if (scene%cell%is_on) slope = scene%cell%middle(4)/scene%cell%middle(2)
     allocate (search%centre(3, size(search%contactor)), source=0.0_wp)
-    allocate (search%reach(size(search%contactor)))
+    allocate (reach(size(search%contactor)))
     allocate (search%crossed(3, size(search%contactor)), source=0_i4)
     farthest = 0
     do i = 1, size(search%contactor)
@@ -113,7 +114,7 @@ contains
           search%crossed(axis, i) = int(floor(centre(axis)/search%period(axis)), i4)
           centre(axis) = centre(axis) - search%period(axis)*real(search%crossed(axis, i), wp)
         end do
-        search%reach(i) = scene%contactors%reach(c) + pairs%margin(scene%contactors%body(c))
+        reach(i) = scene%contactors%reach(c) + pairs%margin(scene%contactors%body(c))
       end associate
     end do
     search%slack = 16*epsilon(1.0_wp)*(farthest + merge(maxval(search%period), 0.0_wp, farthest > 0))
@@ -121,7 +122,7 @@ contains
     if (.not. abs(slope) > 0) return
     ! The largest stretch of a shear by so much.
     associate (stretch => abs(slope)/2 + sqrt(1 + slope**2/4))
-      search%reach = stretch*search%reach
+      reach = stretch*reach
       search%margin = stretch*search%margin
     end associate
   end subroutine place_search
@@ -189,8 +190,7 @@ contains
     type(search_t), intent(in) :: search
     integer, intent(in) :: one, other !! two contactors by their place in the order
     integer(i4), intent(in) :: image(3) !! periods by which the other is moved, along x, y, z
-    integer(i4) :: see
-    integer(i4) :: ends(2)
+    integer(i4) :: see, ends(2)
     real(wp) :: margin
 
     associate (contactors => scene%contactors, i => search%contactor(one), j => search%contactor(other))

@@ -153,7 +153,7 @@ contains
     other%impulse(:, :one%n) = one%impulse(:, :one%n)
   end subroutine give_past
 
-  !> Move every fourth body hardly, the others by up to a tenth of their size.
+  !> Move half of the bodies hardly, the others by up to a tenth of their size; two stay at one place.
   subroutine move(random, scene)
     type(random_t), intent(inout) :: random
     type(scene_t), intent(inout) :: scene
@@ -168,6 +168,8 @@ contains
       if (scene%dimension == 2 .and. modulo(b, 4) >= 2) &
         scene%bodies%middle(3, b) = scene%bodies%middle(3, b) + 0.02_wp*random%uniform()
     end do
+    scene%bodies%middle(:scene%dimension, 3) = scene%bodies%middle(:scene%dimension, 2)
+    scene%bodies%position(:, 3) = scene%bodies%position(:, 2)
   end subroutine move
 
   !> The next detection goes through the loops in one scene, and through none in the other, where contacts carry values.
