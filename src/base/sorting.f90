@@ -1,4 +1,4 @@
-!> Sorting in linear time: integer keys by radix, and places on a space-filling curve as keys.
+!> Sorting in linear time: integer keys by radix, a few of them by insertion, and places on a space-filling curve as keys.
 module sg_sorting
   use sg_kinds, only: wp, i4, i8
   implicit none
@@ -6,6 +6,8 @@ module sg_sorting
   public :: sort_permutation, hilbert_order, group_items, hilbert_key, hilbert_key_in_space
 
   integer, parameter :: bits = 11, buckets = 2**bits
+  ! As many keys are sorted sooner by insertion than buckets are counted.
+  integer, parameter :: few = 64
 
 contains
 
@@ -18,7 +20,10 @@ contains
     integer :: shift, i
 
     permutation = [(int(i, i4), i=1, size(keys))]
-    if (size(keys) < 2) return
+    if (size(keys) <= few) then
+      call sort_few(keys, permutation)
+      return
+    end if
     allocate (moved(size(keys)))
     largest = maxval(keys)
     shift = 0
@@ -29,6 +34,25 @@ contains
       shift = shift + bits
     end do
   end function sort_permutation
+
+  !> Sort by insertion.
+  pure subroutine sort_few(keys, permutation)
+    integer(i8), intent(in) :: keys(:)
+    integer(i4), intent(inout) :: permutation(:) !! 1, 2, ...
+    integer(i8) :: key
+    integer :: i, place
+
+    do i = 2, size(keys)
+      key = keys(i)
+      place = i
+      do while (place > 1)
+        if (keys(permutation(place - 1)) <= key) exit
+        permutation(place) = permutation(place - 1)
+        place = place - 1
+      end do
+      permutation(place) = int(i, i4)
+    end do
+  end subroutine sort_few
 
   !> Items by their groups, in linear time; those of one group keep their order.
   pure subroutine group_items(group, groups, first, item)

@@ -7,6 +7,7 @@ program test_base
   use sg_kinds, only: i4, i8, wp
   use sg_lists, only: reserve
   use sg_random, only: random_t
+  use sg_sorting, only: sort_permutation
   use sg_text, only: lower, nearest_word, read_lines, text_t, to_text
   use sg_wildcards, only: has_wildcard, matches
   use written_files, only: put_text
@@ -21,6 +22,7 @@ program test_base
   call test_shuffle()
   call test_lists()
   call test_ascending()
+  call test_sorting()
   call test_wildcards()
   call t%finish()
 
@@ -191,6 +193,30 @@ contains
     call t%equal(size(distinct([5_i8, 5_i8])), 1, 'ascending lists: one number twice')
     call t%equal(size(distinct([integer(i8) ::])), 0, 'ascending lists: no number')
   end subroutine test_ascending
+
+  !> Keys of one digit of the radix sort and of several, some of which come twice, few and many: in order, equal ones as they were.
+  subroutine test_sorting()
+    integer, parameter :: sizes(8) = [0, 1, 2, 3, 64, 65, 1000, 5000]
+    integer(i8), allocatable :: keys(:)
+    integer(i4), allocatable :: order(:)
+    type(random_t) :: random
+    integer :: n, i, largest, wrong
+
+    call random%seed(5)
+    wrong = 0
+    do n = 1, size(sizes)
+      do largest = 1, 60, 13
+        keys = [(int(random%uniform()*2.0_wp**largest, i8), i=1, sizes(n))]
+        order = sort_permutation(keys)
+        if (any([(count(order == i), i=1, sizes(n))] /= 1)) wrong = wrong + 1
+        do i = 2, sizes(n)
+          if (keys(order(i - 1)) > keys(order(i))) wrong = wrong + 1
+          if (keys(order(i - 1)) == keys(order(i)) .and. order(i - 1) > order(i)) wrong = wrong + 1
+        end do
+      end do
+    end do
+    call t%equal(wrong, 0, 'keys are sorted, and equal ones keep their order')
+  end subroutine test_sorting
 
   !> Each line: a pattern, names that match it, and names that do not.
   subroutine test_wildcards()
