@@ -110,7 +110,8 @@ contains
 
     call reserve_problem(problem, plan%kind, scene%bodies%n, n_contacts)
     problem%is_continued = .false.
-    call load_bodies(scene%bodies, plan%kind, pairs%body_of, plan%radius, problem%body, problem%moves)
+    call load_bodies(scene%bodies, plan%kind, pairs%body_of, plan%radius, problem%body, problem%moves, &
+                     problem%fastest)
   end subroutine begin_problem
 
   !> Put a contact into a problem, without a guess of its impulse.

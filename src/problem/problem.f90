@@ -26,6 +26,8 @@ module sg_problem
     real(wp), allocatable :: body(:, :)
     !> Can impulses move each of the bodies? There only where these have been loaded from those of a scene
     logical, allocatable :: moves(:)
+    !> Largest component of their free velocities [m/s], where they have
+    real(wp) :: fastest = 0
     !> Norm of q, the relative velocities (with bias) without impulses [m/s]
     real(wp) :: free_norm = 0
     !> Gravity times step [m/s]

@@ -15,7 +15,7 @@ module sg_problem_bodies
   use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
   implicit none
   private
-  public :: find_movable, load_bodies, take_velocities
+  public :: fastest_of, find_movable, load_bodies, take_velocities
 
   !> Least bodies of a piece, and those that are loaded at once
   integer, parameter :: least_bodies = 512, chunk = 256
@@ -43,13 +43,15 @@ module sg_problem_bodies
 contains
 
   !> Free velocities and inverse masses by slot.
-  subroutine load_bodies(bodies, kind, body_of, radius, body, moves)
+  subroutine load_bodies(bodies, kind, body_of, radius, body, moves, fastest)
     type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
     integer, intent(in) :: kind !! kind of problem
     integer(i4), intent(in), contiguous :: body_of(:) !! body of each slot
     real(wp), intent(in), contiguous :: radius(:) !! radius of round bodies [m]
     real(wp), intent(inout), contiguous :: body(:, :) !! records to fill
     logical, allocatable, intent(inout), optional :: moves(:) !! can impulses move each of the bodies?
+    real(wp), intent(out), optional :: fastest !! largest component of their velocities [m/s], with `moves`
+    real(wp), allocatable :: found(:)
     type(share_t) :: share
     type(piece_t) :: piece
     integer :: t, a, z
@@ -60,11 +62,12 @@ contains
       end if
       if (.not. allocated(moves)) allocate (moves(size(body_of)))
     end if
+    allocate (found(n_sharing()), source=0.0_wp)
     call begin_share(share, size(body_of), least_bodies)
     !$omp taskloop default(shared) private(t, a, z, piece) grainsize(1) if (share%pieces > 1)
     do t = 1, n_sharing()
       do while (takes(share, piece))
-        ! Marks are set while records are in the first cache.
+        ! Marks are set, and the fastest body is found, while records are in the first cache.
         do a = piece%first, piece%last, chunk
           z = min(piece%last, a + chunk - 1)
           if (is_in_space(kind)) then
@@ -72,11 +75,28 @@ contains
           else
             call load_plane_bodies(bodies, kind, body_of(a:z), radius, body(:, a:z))
           end if
-          if (present(moves)) call find_movable(z - a + 1, body_length(kind), first_inverse(kind), body(:, a:z), moves(a:z))
+          if (.not. present(moves)) cycle
+          call find_movable(z - a + 1, body_length(kind), first_inverse(kind), body(:, a:z), moves(a:z))
+          found(t) = max(found(t), fastest_of(z - a + 1, kind, body(:, a:z)))
         end do
       end do
     end do
+    if (present(fastest)) fastest = maxval(found)
   end subroutine load_bodies
+
+  !> Largest component of the velocities of bodies [m/s].
+  pure real(wp) function fastest_of(n, kind, body) result(fastest)
+    integer, intent(in) :: n !! bodies
+    integer, intent(in) :: kind !! kind of their problem
+    real(wp), intent(in) :: body(body_length(kind), n) !! records
+    integer :: last, b
+
+    fastest = 0
+    last = merge(velocity_z, velocity_y, is_in_space(kind))
+    do b = 1, n
+      fastest = max(fastest, max(abs(body(velocity_x, b)), abs(body(velocity_y, b)), abs(body(last, b))))
+    end do
+  end function fastest_of
 
   !> Mark the bodies that impulses can move.
   pure subroutine find_movable(n, length, inverse, body, moves)

@@ -41,7 +41,8 @@ contains
     real(wp), intent(in) :: time_step !! length of the substep [s]
     type(problem_t), intent(inout) :: problem !! its impulses are the guess
 
-    call load_bodies(scene%bodies, problem%kind, pairs%body_of, plan%radius, problem%body, problem%moves)
+    call load_bodies(scene%bodies, problem%kind, pairs%body_of, plan%radius, problem%body, problem%moves, &
+                     problem%fastest)
     call assemble_by_gaps(scene, pairs%slot_of, contacts, time_step, .true., problem)
     problem%is_continued = .true.
     if (.not. problem%fall_speed > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))

@@ -3,7 +3,7 @@ module sg_convergence
   use sg_kinds, only: wp
   use sg_law_violation, only: most_hidden
   use sg_problem, only: problem_t
-  use sg_records, only: is_in_space, velocity_x, velocity_y, velocity_z
+  use sg_problem_bodies, only: fastest_of
   use sg_report, only: report_t
   use sg_run_options, only: criterion_e1, criterion_e2, criterion_e8, criterion_estimate, criterion_violation, solver_options_t
   use sg_check_history, only: check_history_t
@@ -79,17 +79,16 @@ contains
   !> Scales of a problem, or of a rank's part of it, with the velocities to start from.
   pure type(scales_t) function scales_of(problem) result(scales)
     type(problem_t), intent(in) :: problem !! problem
-    integer :: last, b
 
     scales%contacts = problem%n_contacts
     scales%velocity = problem%velocity_scale
     scales%closing = problem%closing_speed
     if (problem%n_contacts > 0) scales%friction = problem%most_friction
-    last = merge(velocity_z, velocity_y, is_in_space(problem%kind))
-    do b = 1, problem%n_bodies
-      scales%fastest = max(scales%fastest, max(abs(problem%body(velocity_x, b)), abs(problem%body(velocity_y, b)), &
-                                               abs(problem%body(last, b))))
-    end do
+    if (allocated(problem%moves)) then
+      scales%fastest = problem%fastest
+    else
+      scales%fastest = fastest_of(problem%n_bodies, problem%kind, problem%body)
+    end if
   end function scales_of
 
   !> Begin a solve.
