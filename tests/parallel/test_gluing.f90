@@ -20,7 +20,7 @@ program test_gluing
   character(len=8), parameter :: splits(2) = [character(len=8) :: 'boxes', 'graph']
   !> Steps of one rank after which packs carry their weight, and steps of all ranks after that: few, so that chaos has no
   !! time to grow from what solvers leave
-  integer, parameter :: settling = 150, together = 4
+  integer, parameter :: settling = 150, together = 3
   character(len=22), parameter :: names(6) = [character(len=22) :: 'kinetic_energy', 'compactness', 'coordination', &
                                              'momentum_x', 'floor_share', 'pressure']
 
@@ -66,7 +66,8 @@ contains
     deallocate (pack)
   end subroutine test_all
 
-  !> The pack glued in every way, split in both, as one of several subdomains.
+  !> The pack glued in every way, as one of several subdomains: on three split in both, on two and on four in one each, which is the
+  !! other one for the next way of gluing and for the other number.
   subroutine glue_in_every_way(comm)
     type(comm_t), intent(inout) :: comm
     character(len=16), allocatable :: gluings(:)
@@ -76,6 +77,7 @@ contains
     gluings = coupling_names()
     do s = 1, size(splits)
       do g = 1, size(gluings)
+        if (comm%size /= 3 .and. modulo(s + g + comm%size/2, 2) == 0) cycle
         call compare(comm, pack, trim(gluings(g)), trim(splits(s)))
       end do
     end do
@@ -141,6 +143,7 @@ contains
     call t%check(.not. allocated(error), name//' is split')
     call part%energy%leave_to_first(part%comm)
     call advance_pack(t, name, part, together)
+    call t%equal(part%decomposition%subdomain%splits, 2, name//': is split again')
     call t%check(part%report%e8 <= part%options%solver%tolerance, name//': residual of the whole')
     associate (whole => pack%whole)
       call measure(whole%scene, whole%contacts, whole%options%time_step, whole%energy, of_whole)

@@ -19,8 +19,22 @@ program test_links
   !> Steps on all ranks, steps per repartition, and number of partitions
   integer, parameter :: steps = 60, every = 25, splits = 3
   character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
-  type(tests_t) :: t
 
+  !> A run on one rank.
+  type :: whole_t
+    type(simulation_t), pointer :: sim => null()
+  end type whole_t
+
+  type(tests_t) :: t
+  !> Runs on one rank, by dimension and kind of net: all numbers of ranks and all ways of gluing are compared with them
+  type(whole_t), save :: wholes(2:3, 4)
+  integer :: d, k
+
+  do d = 2, 3
+    do k = 1, 4
+      call run_whole(d, k)
+    end do
+  end do
   call on_subdomains(run_tests)
   call t%finish()
 
@@ -31,6 +45,7 @@ contains
     type(comm_t), intent(inout) :: comm
     integer :: dimension, kind, g
 
+    if (comm%size == 1) return
     do dimension = 2, 3
       do kind = 1, 4
         do g = 1, size(gluings)
@@ -40,7 +55,31 @@ contains
     end do
   end subroutine run_tests
 
-  !> A net of masses, held at two ends.
+  !> Name of a case.
+  function name_of(dimension, kind) result(name)
+    integer, intent(in) :: dimension, kind
+    character(len=:), allocatable :: name
+
+    name = merge('plane', 'space', dimension == 2)//', net '//achar(iachar('0') + kind)
+  end function name_of
+
+  !> A net of masses, held at two ends, on one rank.
+  subroutine run_whole(dimension, kind)
+    integer, intent(in) :: dimension, kind
+    type(simulation_t), pointer :: whole
+    character(len=:), allocatable :: name
+
+    name = name_of(dimension, kind)
+    call begin(dimension, kind, 'dual', whole)
+    call advance_pack(t, name, whole, steps)
+    call t%check(maxval(norm2(whole%scene%bodies%velocity(:dimension, :), 1)) > 0.1_wp, name//': it moves')
+    call t%equal(whole%contacts%n, whole%scene%links%n, name//': every link is a contact')
+    if (kind == 4) call t%check(count(whole%contacts%status(:whole%contacts%n) == status_broken) > 0 .and. &
+                                count(whole%contacts%status(:whole%contacts%n) /= status_broken) > 50, name//': some bonds break')
+    wholes(dimension, kind)%sim => whole
+  end subroutine run_whole
+
+  !> The net on several ranks.
   subroutine test_net(comm, dimension, kind, gluing)
     type(comm_t), intent(inout) :: comm
     integer, intent(in) :: dimension, kind
@@ -51,14 +90,8 @@ contains
     real(wp) :: miss
     integer :: b, i
 
-    name = merge('plane', 'space', dimension == 2)//', '//gluing//', net '//achar(iachar('0') + kind)
-    call begin(dimension, kind, gluing, whole)
-    call advance_pack(t, name, whole, steps)
-    call t%check(maxval(norm2(whole%scene%bodies%velocity(:dimension, :), 1)) > 0.1_wp, name//': it moves')
-    call t%equal(whole%contacts%n, whole%scene%links%n, name//': every link is a contact')
-    if (kind == 4) call t%check(count(whole%contacts%status(:whole%contacts%n) == status_broken) > 0 .and. &
-                                count(whole%contacts%status(:whole%contacts%n) /= status_broken) > 50, name//': some bonds break')
-    if (comm%size == 1) return
+    name = name_of(dimension, kind)//', '//gluing
+    whole => wholes(dimension, kind)%sim
     call begin(dimension, kind, gluing, part)
     part%comm = comm
     part%options%partition%every = every

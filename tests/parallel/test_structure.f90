@@ -1,4 +1,5 @@
-!> Structure of point sets that are known: random points, lattices, lattices shaken by known amounts; shared among any ranks.
+!> Structure of point sets that are known: random points, lattices, lattices shaken by known amounts; shared among any ranks, of
+!! which several find what one finds.
 program test_structure
   use harness, only: tests_t
   use sg_centres, only: centres_t
@@ -12,8 +13,18 @@ program test_structure
   implicit none
   !> A mean of n waves of a random set is spread by one over the root of n: five times that is met once in a million
   real(wp), parameter :: spreads = 5
+  !> Random points that several ranks share, in the plane and in space
+  integer, parameter :: shared_points(2:3) = [1500, 1000]
   type(tests_t) :: t
+  !> g and S of these points on one rank, in the plane between ends, in space in a period
+  type(radial_distribution_t), save :: radial_of(2:3)
+  type(structure_factor_t), save :: factor_of(2:3)
+  type(comm_t) :: alone
+  integer :: d
 
+  do d = 2, 3
+    call find_structure(alone, d, radial_of(d), factor_of(d))
+  end do
   call on_subdomains(run_tests)
   call t%finish()
 
@@ -23,20 +34,72 @@ contains
   subroutine run_tests(comm)
     type(comm_t), intent(inout) :: comm
 
-    call test_random(comm, 2, 5000)
-    call test_random(comm, 3, 8000)
-    call test_window(comm, 2, 70)
-    ! That points are shared is seen above and below; what S these have, one subdomain shows.
+    ! What many points have, one subdomain shows; that several find the same, fewer points show more sharply.
     if (comm%size == 1) then
+      call test_random(comm, 2, 5000)
+      call test_random(comm, 3, 8000)
+      call test_window(comm, 2, 70)
       call test_window(comm, 3, 20)
       call test_shaken(comm, 2, 80, 0.1_wp)
       call test_shaken(comm, 3, 20, 0.1_wp)
+      call test_far(comm)
     end if
+    call test_shared(comm, 2)
+    call test_shared(comm, 3)
     call test_direct(comm)
     call test_lattice(comm)
     call test_nothing(comm)
-    call test_far(comm)
   end subroutine run_tests
+
+  !> g and S of random points, shared among the ranks.
+  subroutine find_structure(comm, dimension, radial, factor)
+    type(comm_t), intent(inout) :: comm
+    integer, intent(in) :: dimension
+    type(radial_distribution_t), intent(out) :: radial
+    type(structure_factor_t), intent(out) :: factor
+    type(centres_t) :: centres
+    type(random_t) :: random
+    real(wp) :: points(3, shared_points(dimension))
+    integer :: i, a
+
+    call random%seed(15)
+    points = 0
+    do i = 1, size(points, 2)
+      do a = 1, dimension
+        points(a, i) = random%uniform(0.0_wp, 1.0_wp)
+      end do
+    end do
+    call share(comm, dimension, points, [1.0_wp, 1.0_wp, 1.0_wp], dimension == 3, &
+               (1/real(size(points, 2), wp))**(1/real(dimension, wp)), centres)
+    call radial_distribution(centres, comm, radial)
+    if (fourier_is_available()) call structure_factor(centres, comm, factor)
+  end subroutine find_structure
+
+  !> All ranks find the pairs and the waves that one rank finds, and the same S up to the order of sums.
+  subroutine test_shared(comm, dimension)
+    type(comm_t), intent(inout) :: comm
+    integer, intent(in) :: dimension
+    type(radial_distribution_t) :: radial
+    type(structure_factor_t) :: factor
+
+    call find_structure(comm, dimension, radial, factor)
+    associate (expected => radial_of(dimension))
+      call t%check(radial%n == 200 .and. expected%n == 200, 'distances of shared points')
+      call t%check(expected%references > 100, 'many of them count')
+      call t%near(radial%references, expected%references, 0.0_wp, 'as on one rank')
+      call t%near(maxval(abs(radial%r - expected%r)), 0.0_wp, 0.0_wp, 'distances as on one rank')
+      call t%near(maxval(abs(radial%g - expected%g)), 0.0_wp, 0.0_wp, 'g as on one rank')
+    end associate
+    if (.not. fourier_is_available()) return
+    associate (expected => factor_of(dimension))
+      call t%equal(factor%n, expected%n, 'bins of shared points')
+      call t%check(expected%n > 20, 'many of them')
+      if (factor%n /= expected%n) return
+      call t%near(maxval(abs(factor%waves - expected%waves)), 0.0_wp, 0.0_wp, 'waves as on one rank')
+      call t%near(maxval(abs(factor%k - expected%k)), 0.0_wp, 0.0_wp, 'their lengths as on one rank')
+      call t%near(maxval(abs(factor%s - expected%s)), 0.0_wp, 1e-12_wp*maxval(expected%s), 'S as on one rank')
+    end associate
+  end subroutine test_shared
 
   !> Points thrown at random into a periodic box: g = 1 and S = 1 everywhere.
   subroutine test_random(comm, dimension, n)

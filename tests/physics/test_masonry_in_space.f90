@@ -20,8 +20,6 @@ program test_masonry_in_space
   real(wp), parameter :: stands = 2e-3_wp, falls = 0.1_wp
   type(tests_t) :: t
 
-  call t%check(sag(1.02_wp*limit) < stands, 'an arch 2 % above the limit stands')
-  call t%check(sag(0.98_wp*limit) > falls, 'an arch 2 % below the limit falls')
   call t%check(sag(1.005_wp*limit) < stands, 'an arch 0.5 % above the limit stands')
   call t%check(sag(0.995_wp*limit) > falls, 'an arch 0.5 % below the limit falls')
   call test_wall()
@@ -29,18 +27,23 @@ program test_masonry_in_space
 
 contains
 
-  !> How far the crown of an arch of mean radius 1 m sinks in 1.5 s [m].
+  !> How far the crown of an arch of mean radius 1 m sinks in 1.5 s, or until it has fallen [m].
   real(wp) function sag(thickness)
     real(wp), intent(in) :: thickness !! [m]
     type(simulation_t), pointer :: sim
     real(wp) :: height
+    integer :: i
 
     sim => fresh()
     call build(sim, thickness)
     call begin_run(sim, step, 1e-5_wp)
     height = sim%scene%bodies%position(3, crown)
-    call run(sim, nint(1.5_wp/step))
-    sag = height - sim%scene%bodies%position(3, crown)
+    do i = 1, nint(1.5_wp/step)
+      call run(sim, 1)
+      sag = height - sim%scene%bodies%position(3, crown)
+      ! What has sunk this far falls on, and its impacts would take most of the CPU time.
+      if (sag > falls) exit
+    end do
     write (*, '(a,f8.5,a,es10.2)') 'arch t/R', thickness, ': sag', sag
   end function sag
 

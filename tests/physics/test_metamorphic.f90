@@ -3,7 +3,7 @@
 !! Random scenes of a few bodies that fall on a floor and on each other are translated, turned, mirrored, measured in other
 !! units, reordered, joined by a body that touches nothing, given friction 1e-13 in place of none, built of other shapes, taken
 !! from the plane into space, and solved by each method. What the bodies do, brought back, is what they do in the first scene.
-!! Nothing has to be known of the right answer. Called with a number, it makes as many rounds instead of five.
+!! Nothing has to be known of the right answer. Called with a number, it makes as many rounds instead of two.
 program test_metamorphic
   use fresh_simulations, only: fresh
   use harness, only: tests_t
@@ -66,7 +66,7 @@ contains
     character(len=20) :: word
     integer :: status
 
-    rounds = 5
+    rounds = 2
     call get_command_argument(1, word)
     if (len_trim(word) == 0) return
     read (word, *, iostat=status) rounds

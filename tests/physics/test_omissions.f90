@@ -21,16 +21,18 @@ program test_omissions
   use sg_shape_kinds, only: kind_hollow_cylinder, kind_polyhedron, kind_sphere
   use sg_time_functions, only: time_function_t
   implicit none
-  !> Grains of a scene, obstacles, steps
-  integer, parameter :: n_grains = 12, n_obstacles = 4, n_steps = 250
+  !> Grains of a scene, obstacles
+  integer, parameter :: n_grains = 12, n_obstacles = 4
   !> Time step [s], radius of obstacles that hold the grains inside [m]
   real(wp), parameter :: h = 2e-3_wp, hollow_radius = 7
   !> Of positions [m] and velocities [m/s]: the solver stops at 1e-13 of the impulses, and impacts amplify that error
   real(wp), parameter :: same = 1e-7_wp
   type(tests_t) :: t
-  integer :: kind, n_hits
+  integer :: kind, n_steps, n_hits
 
   do kind = 1, kind_polyhedron
+    ! Hollow cylinders lie askew, and grains meet them later.
+    n_steps = merge(250, 125, kind == kind_hollow_cylinder)
     call compare(kind, friction=0.0_wp, pushed=.false.)
     call compare(kind, friction=0.0_wp, pushed=.true.)
     call compare(kind, friction=0.3_wp, pushed=.true.)
@@ -106,7 +108,7 @@ contains
       if (n == 2) call put_disk(sim%scene, b, random%uniform(0.3_wp, 0.45_wp), [side, real(b/4, wp) + 0.5_wp])
       if (n == 3) call put_sphere(sim%scene, b, random%uniform(0.3_wp, 0.45_wp), &
                                   [side, random%uniform(-0.2_wp, 0.2_wp), real(b/4, wp) + 0.5_wp])
-      sim%scene%bodies%velocity(n, b) = -2
+      sim%scene%bodies%velocity(n, b) = -4
     end do
     do b = n_grains + 1, n_grains + n_obstacles
       call put_obstacle(sim%scene, b, kind, random)

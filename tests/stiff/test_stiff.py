@@ -195,10 +195,10 @@ class Units(Stiff):
 class Laws(Stiff):
     def test_friction(self):
         """On a slope of 30 degrees: without friction and with next to none the closed form of free sliding, else at rest."""
-        for friction, speed in ((0, 4.905 * 0.5), (1e-8, 4.905 * 0.5), (1, 0), (10, 0), (100, 0), (1000, 0)):
+        for friction, speed in ((0, 4.905 * 0.25), (1e-8, 4.905 * 0.25), (1, 0), (10, 0), (100, 0), (1000, 0)):
             for method in SOLVERS:
-                run = self.run_deck("block_on_slope", law__friction=friction, solver__method=method)
-                self.assert_near(run["max_velocity"], speed, 1e-5)
+                run = self.run_deck("block_on_slope", law__friction=friction, solver__method=method, time__steps=250)
+                self.assert_near(run["max_velocity"], speed, 5e-6)
                 self.assertEqual(run["unconverged_steps"], 0)
 
     def test_friction_of_a_hundred_stops_clearly(self):
@@ -258,15 +258,15 @@ class Laws(Stiff):
 
 class Motions(Stiff):
     def test_a_long_rest(self):
-        """Three grains lie still: nothing drifts, nothing creeps: over 200,000 steps heights stay to 2e-13, 1e-18 of them per step."""
-        steps = 200000 if "ffpe-trap" not in self.run_program("--version").stdout else 20000
+        """Three grains lie still: nothing drifts, nothing creeps: over 40,000 steps heights stay to 4e-14, 1e-18 of them per step."""
+        steps = 40000 if "ffpe-trap" not in self.run_program("--version").stdout else 20000
         begin = self.run_deck("large_on_small", time__steps=100, time__step=1e-3)
-        run = self.run_deck("large_on_small", time__steps=steps, time__step=1e-3, output__record_every=100000)
+        run = self.run_deck("large_on_small", time__steps=steps, time__step=1e-3, output__record_every=20000)
         self.assertEqual(run["steps"], steps)
         self.assertEqual(run["unconverged_steps"], 0)
         self.assertLess(run["max_velocity"], 1e-9)
         self.assertLess(run["worst_penetration"], 1e-9)
-        self.assert_near(run["potential_energy"] / begin["potential_energy"], 1, 2e-13)
+        self.assert_near(run["potential_energy"] / begin["potential_energy"], 1, 4e-14)
 
     def test_time_steps(self):
         """At rest from a picosecond to ten seconds."""
@@ -276,12 +276,12 @@ class Motions(Stiff):
             self.assertLess(run["worst_penetration"], 1e-9)
 
     def test_what_lies_on_a_slope_does_not_creep(self):
-        """A thousand steps: what moves is what the tolerance leaves, 1e-6 of gravity times the step, and is not summed. e8 is a root
+        """Five hundred steps: what moves is what the tolerance leaves, 1e-6 of gravity times the step, and is not summed. e8 is a root
         mean square over the eight contacts, one of which may have all of it: sqrt(8) times as much."""
         tilt = [G * math.sin(0.3), 0.0, -G * math.cos(0.3)]
         for method in SOLVERS:
             for deck, more in (("block_on_slope", {"law__friction": 0.7}), ("two_boxes", {"scene__gravity": tilt})):
-                run = self.run_deck(deck, solver__method=method, time__steps=1000, **more)
+                run = self.run_deck(deck, solver__method=method, time__steps=500, **more)
                 self.assertEqual(run["unconverged_steps"], 0)
                 self.assertLess(run["max_velocity"], math.sqrt(8) * 1e-6 * G * 1e-3, f"{deck}, {method}")
 
@@ -379,7 +379,7 @@ class Interlocked(Stiff):
         ways: one step of 200 has been seen not to converge in a build with checks. The study allows 5 %; the row must stand all the same."""
         self.need_hulls()
         for method in SOLVERS:
-            run = self.run_deck("tetrahedra_in_a_row", solver__method=method)
+            run = self.run_deck("tetrahedra_in_a_row", solver__method=method, time__steps=100)
             self.assert_stands(run, unconverged=0.05 if method == "accelerated" else 0)
 
     def test_plate_of_tetrahedra(self):

@@ -231,13 +231,13 @@ contains
     call fault('bad.obj', corners//'f 1 2'//repeat(' ', 200), 'this face has 2 vertices; it needs 3 or more', 5, 1)
   end subroutine test_faults_of_obj
 
-  !> A million triangles, of bytes and of text: read whole.
+  !> A hundred thousand triangles, of bytes and of text: read whole.
   subroutine test_large()
     real(wp), allocatable :: vertices(:, :)
     integer(i4), allocatable :: list(:, :)
     integer :: unit, i, slash
 
-    call globe(502, vertices, list)
+    call globe(160, vertices, list)
     call write_bytes('large.stl', 'a globe', vertices, list, size(list, 2))
     call read_large('large.stl', vertices, list)
     open (newunit=unit, file='large.obj', status='replace', action='write')

@@ -433,7 +433,8 @@ contains
     call put_wall(sim%scene, 2, 5.0_wp, 0.02_wp, [0.0_wp, -0.02_wp], 0.0_wp)
     call put_wall(sim%scene, 3, 5.0_wp, 0.02_wp, [0.0_wp, 0.22_wp], 0.0_wp)
     sim%scene%drives(5)%value = time_function_t(constant=-40.0_wp)
-    call begin_run(sim, 2e-4_wp, 1e-12_wp)
+    ! Once the gap is narrower than the disk there is no solution: steps end with their sweeps.
+    call begin_run(sim, 2e-4_wp, 1e-12_wp, maximum_sweeps=5000)
     call run(sim, 10)
     call t%equal(sim%totals%tunnellings, 0, 'squeezed, not yet beyond the middle')
     call run(sim, 20)
