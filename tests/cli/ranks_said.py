@@ -71,7 +71,7 @@ class Once(Ranks):
             with self.subTest(words=words):
                 alone = self.run_program(*words, code=code)
                 shutil.rmtree(self.place / "datbox", ignore_errors=True)
-                done = self.launch((3, *words), code=code)
+                done = self.launch((2, *words), code=code)
                 self.assertEqual(done.stdout, alone.stdout)
                 # The launcher has something to say of exit codes, too.
                 self.assertEqual([done.stderr.count(line) for line in alone.stderr.splitlines()],

@@ -70,20 +70,24 @@ class BrokenTrace(Ranks):
         return [{name: value for name, value in row.items() if not re.search("seconds|^cpu_|^wall_", name)} for row in rows]
 
     def check_broken(self, name, text, code, words=(), gluings=("dual",)):
-        """The step is solved once more, and has the history that it has where it is traced on purpose; nothing else changes."""
+        """The step is solved once more, and has the history that it has where it is traced on purpose; nothing else changes.
+        Subdomains of one process, whose numbers are those of ranks, trace it on purpose."""
         deck = self.deck(text)
         for ranks in self.all_ranks():
             for gluing in gluings if ranks > 1 else ("none",):
                 with self.subTest(name, ranks=ranks, gluing=gluing):
                     more = [*words, "--set", f'partition.gluing="{gluing}"'] if ranks > 1 else list(words)
-                    steps, points, done = self.traced(ranks, deck, *more, *ELSEWHERE, code=code, output="broken")
+                    steps, points, done = self.traced(ranks, deck, *more, *ELSEWHERE, code=code,
+                                                      output=f"broken on {ranks}")  # fmt: skip
                     self.assertEqual(len(steps), 1)
                     step = steps[0]
                     self.assertRegex(done.stdout, rf"(?m)^ +{step['step']} +{step['contacts']} +{step['sweeps']} ")
-                    asked = self.traced(ranks, deck, *more, "--set", f"report.trace_steps={step['step']}", code=code, output="asked")
+                    parts = ["--set", f"partition.parts={ranks}"] if ranks > 1 else []
+                    asked = self.traced(1, deck, *more, *parts, "--set", f"report.trace_steps={step['step']}", code=code,
+                                        output="asked")  # fmt: skip
                     self.assertEqual(*map(self.without_times, (steps, asked[0])))
                     self.assertEqual(*map(self.without_times, (points, asked[1])))
-                    self.assertEqual(*(self.without_times(self.rows(folder)) for folder in ("broken", "asked")))
+                    self.assertEqual(*(self.without_times(self.rows(folder)) for folder in (f"broken on {ranks}", "asked")))
                     self.assertGreater(int(step["contacts"]), 0)
                     self.assertGreater(len(points), 1)
                     self.assertEqual({point["step"] for point in points}, {step["step"]})
@@ -106,12 +110,11 @@ class BrokenTrace(Ranks):
         for ranks in self.all_ranks() if self.has_hdf5() else ():
             with self.subTest(ranks=ranks):
                 # The impact of one disk on another is left to be solved again.
-                self.traced(ranks, "deck.toml", code=4, output="dumped")
-                said = self.run_program("solve", *(f"dumped/dump-1-{form}.hdf5" for form in ("local", "global")), "--json").stdout
+                dumps = [f"broken on {ranks}/dump-1-{form}.hdf5" for form in ("local", "global")]
+                said = self.run_program("solve", *dumps, "--json").stdout
                 for line in map(json.loads, said.splitlines()):
                     self.assertEqual(line["contacts"], int(step["contacts"]))
                     self.assertLess(line["e1"], 1e-8)
-                (self.place / "dumped/dump-1-local.hdf5").unlink()
 
     def test_matrix_solvers(self):
         self.launcher = None  # They work on one rank.

@@ -15,6 +15,12 @@ from program_case import take_program
 
 
 class Cells(CellCase):
+    def split(self, on_ranks):
+        """Rows of the record of a run on two ranks, if there is a launcher, or else on three subdomains of one process."""
+        where = {"ranks": 2} if on_ranks and self.launcher else {}
+        self.call(*(() if where else ("--set", "partition.parts=3")), output="split", **where)
+        return self.rows("split")
+
     def test_free_grains_move_with_the_cell(self):
         """Grains at rest in the cell follow the homogeneous motion; lengths and strains of the record do."""
         size, step, steps = (1.0, 0.8, 0.6), 1e-2, 150
@@ -134,7 +140,7 @@ class Cells(CellCase):
         do ranks, parts and a restart after a fold. Strain and displacements go on; guesses of impulses are kept."""
         for dimension in (2, 3):
             with self.subTest(dimension=dimension):
-                spots, rates, shear, steps = self.spots(dimension), (0.5, 1.8, 1.2)[:dimension], 6.0, 120
+                spots, rates, shear, steps = self.spots(dimension), (0.5, 1.8, 1.2)[:dimension], 9.0, 75
                 text = {}
                 for width in (1, 2):
                     body = "".join(grain(f"g{i}_{copy}", [place[0] + copy, *place[1:]], 0.1, velocity)
@@ -144,6 +150,7 @@ class Cells(CellCase):
                     self.call(output=f"wide{width}")
                     self.assert_closed(f"wide{width}")
                 one, two = self.rows("wide1"), self.rows("wide2")
+                self.assertGreater(int(one[-1]["contacts"]), 8)
                 # Of the one cell the tilt is folded, of the two not yet.
                 strain = [float(row["strain_xy"]) for row in one]
                 self.assertGreater(strain[-1], 0.6)
@@ -161,16 +168,11 @@ class Cells(CellCase):
                     for found, expected in zip(beside[name], state, strict=True):
                         self.assertAlmostEqual(found, expected, delta=SOLVED)
                 self.write(*text[1], dimension, steps=steps)
-                outputs = ["parts"]
-                self.call("--set", "partition.parts=3", output="parts")
-                if self.launcher:
-                    self.call(output="ranks", ranks=2)
-                    outputs.append("ranks")
-                for output in outputs:
-                    for left, right in zip(one, self.rows(output), strict=True):
-                        for key in ("strain_xy", "kinetic_energy", "stress_xx"):
-                            self.assertAlmostEqual(float(left[key]), float(right[key]), delta=1e-6 * max(1.0, abs(float(left[key]))),
-                                                   msg=f"{output} step {left['step']} {key}")  # fmt: skip
+                # Ranks in space, and in the plane subdomains of one process, whose numbers are those of ranks.
+                for left, right in zip(one, self.split(dimension == 3), strict=True):
+                    for key in ("strain_xy", "kinetic_energy", "stress_xx"):
+                        self.assertAlmostEqual(float(left[key]), float(right[key]), delta=1e-6 * max(1.0, abs(float(left[key]))),
+                                               msg=f"step {left['step']} {key}")  # fmt: skip
                 if self.has_hdf5():
                     after = next(i for i, value in enumerate(strain) if value > 0.55) + 1
                     self.call("--set", f"time.steps={after}", output="again")
@@ -249,13 +251,18 @@ class Cells(CellCase):
         deck = Path(__file__).resolve().parents[2] / "input_decks/talk/stiffness.toml"
         (self.place / "deck.toml").write_text(deck.read_text().replace("[0.16, 0.24]", "[0.08, 0.12]")
                                               .replace("[0.0, 0.0, 0.16, 0.24]", "[0.0, 0.0, 0.08, 0.12]"))
-        stored = () if self.has_hdf5() else ("--set", "restart.every=0")
+        steps = ("--set", "stage[1].steps=4000", "--set", "stage[2].steps=200")
+        begin = ("--set", "restart.every=0")
+        if self.has_hdf5():
+            self.call(*steps, "--set", "time.steps=4000", output="pressed")
+            begin = ("--restart", "pressed")
         slopes = {}
         for axis, rates in (("xx", (1e-3, 0)), ("yy", (0, 1e-3))):
             settings = [word for key, rate in zip(("xx", "yy"), rates, strict=True)
                         for word in ("--set", f"stage[2].cell.strain_rate_{key}={rate}")]
-            self.call("--set", "stage[1].steps=4000", "--set", "stage[2].steps=200", *settings, *stored)
-            rows = [row for row in self.rows() if int(row["stage"]) == 2]
+            self.call(*begin, *steps, *settings, output=axis)
+            rows = [row for row in self.rows(axis) if int(row["stage"]) == 2]
+            self.assertEqual(len(rows), 20)
             first, last = rows[0], rows[-1]
             strain = float(last[f"strain_{axis}"]) - float(first[f"strain_{axis}"])
             for stress in ("xx", "yy"):
@@ -344,24 +351,23 @@ class Cells(CellCase):
         self.assertIn("periodic cell", said)
 
     def test_ranks(self):
-        """On two ranks, and in parts of one process, the same motion to what the tolerance leaves; the balance closes."""
-        for dimension, shape, shear in ((2, "disk", 0.0), (2, "disk", 2.5), (2, "polygon", 1.0), (3, "sphere", -1.0)):
+        """On two ranks, or in parts of one process, whose numbers are those of ranks, the same motion to what the tolerance leaves;
+        the balance closes. Polygons are on ranks in test_cell_stresses.py."""
+        for dimension, shape, shear, on_ranks in ((2, "disk", 0.0, False), (2, "disk", 2.5, True), (2, "polygon", 1.0, False),
+                                                  (3, "sphere", -1.0, True)):  # fmt: skip
             with self.subTest(shape=shape, shear=shear):
                 self.write(self.cell((1.0,) * dimension, (1.5, 1.2, 1.8)[:dimension], shear), self.sample(dimension, shape), dimension,
                            steps=120, law=LAW.format(friction=0.0))
                 self.call()
-                self.call("--set", "partition.parts=3", output="parts")
-                if self.launcher:
-                    self.call(output="ranks", ranks=2)
                 one = self.rows()
-                for output in ("parts", "ranks")[: 2 if self.launcher else 1]:
-                    self.assert_closed(output)
-                    for left, right in zip(one, self.rows(output), strict=True):
-                        self.assertEqual(left["contacts"], right["contacts"])
-                        for key in ("cell_x", "strain_yy", "strain_xy", "kinetic_energy", "external_work", "stress_xx", "stress_yy"):
-                            self.assertAlmostEqual(float(left[key]), float(right[key]), delta=1e-6 * max(1.0, abs(float(left[key]))),
-                                                   msg=f"{output} step {left['step']} {key}")  # fmt: skip
+                for left, right in zip(one, self.split(on_ranks), strict=True):
+                    self.assertEqual(left["contacts"], right["contacts"])
+                    for key in ("cell_x", "strain_yy", "strain_xy", "kinetic_energy", "external_work", "stress_xx", "stress_yy"):
+                        self.assertAlmostEqual(float(left[key]), float(right[key]), delta=1e-6 * max(1.0, abs(float(left[key]))),
+                                               msg=f"step {left['step']} {key}")  # fmt: skip
+                self.assert_closed("split")
                 self.assertGreater(float(one[-1]["impact_loss"]), 0)
+                self.assertGreater(int(one[-1]["contacts"]), 10)
 
     def test_sample_fills_the_cell(self):
         """Grains at random lie across all faces of the cell, and none overlaps an image."""

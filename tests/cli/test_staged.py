@@ -195,7 +195,8 @@ class Staged(ProgramCase):
                    time="steps = 140")  # fmt: skip
         second = self.place / "second.toml"
         second.write_text(second.read_text().replace("step = 1e-3", "step = 5e-4"))
-        for words, ranks in (((), 1), (("--set", "partition.parts=3"), 1), ((), 2)):
+        few = ("--set", "solver.tolerance=1e-2")
+        for words, ranks in (((), 1), ((*few, "--set", "partition.parts=3"), 1), (few, 2)):
             with self.subTest(words=words, ranks=ranks):
                 self.call(*words, ranks=ranks if self.launcher else 1)
                 self.call(*words, deck="first", output="two", ranks=ranks if self.launcher else 1)

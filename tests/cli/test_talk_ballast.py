@@ -11,9 +11,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program  # noqa: E402
 
 DECKS = Path(__file__).resolve().parents[2] / "input_decks/talk/ballast"
-# 248 stones, in steps twice as long; the tines go deeper, as the bed is thin.
+# 248 stones that fall from half the height, in steps twice as long; the tines go deeper, as the bed is thin.
 SMALL = [word for setting in (
     "constants.width=0.14", "sample[1].count=200", "sample[2].count=24", "sample[3].count=24", "body[1].position=[0.3,0.07,0.28]",
+    "sample[1].box=[0,0,0,0.6,0.14,1.1]", "sample[2].box=[0,0,0.3,0.16,0.14,0.9]", "sample[3].box=[0.44,0,0.3,0.6,0.14,0.9]",
     "time.step=1.6e-3", "stage[4].until=mean_velocity<0.02") for word in ("--set", setting)]
 WIDTH, LOAD, LIFT = 0.14, 4e3, 0.025
 SLEEPER = 0.26 * (WIDTH - 0.02) * 0.2 * 2400 * 9.81
@@ -34,9 +35,10 @@ class Ballast(ProgramCase):
         return sum(float(row[column]) for row in rows) / len(rows)
 
     def test_one_number_sets_the_size(self):
-        """A slice twice as wide has twice the 1500 stones; two sleepers have all bodies twice."""
-        for setting, shapes in (("constants.width=0.4", 3009), ("constants.sleepers=2", 3018)):
-            printed = self.run_program("check", DECKS / "sample.toml", "--set", setting).stdout
+        """A slice half as wide has half of the 1500 stones; two sleepers have all bodies twice."""
+        for sleepers, shapes in ((1, 759), (2, 1518)):
+            words = ["--set", "constants.width=0.1", "--set", f"constants.sleepers={sleepers}"]
+            printed = self.run_program("check", DECKS / "sample.toml", *words).stdout
             self.assertIn(f" {shapes} polyhedron", printed)
 
     def test_a_sample_rests_and_is_tamped(self):
@@ -53,7 +55,7 @@ class Ballast(ProgramCase):
         raised = 125
         plunged = round(((0.55 - 0.1) / 0.8 + 0.02) / 1.6e-3 + 0.499)
         self.run_program("run", DECKS / "tamping.toml", "--restart", "sample", "--output", "tamped", "--quiet", *SMALL, "--set",
-                         "constants.tip=0.1", "--set", f"time.steps={run['steps'] + raised + plunged + 40}")  # fmt: skip
+                         "constants.tip=0.1", "--set", f"time.steps={run['steps'] + raised + plunged + 10}")  # fmt: skip
         sleeper = self.rows_of("tamped", "tracks.csv", body="sleeper")
         # Within the first step, in which it is clamped, it still moves for half a step by the velocity that it had.
         half = 0.8e-3

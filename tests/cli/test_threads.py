@@ -54,9 +54,9 @@ count = {count}
 velocity = [{velocity}]
 """
 PLANE = {"dimension": 2, "gravity": "0.0, -9.81", "box": "0.0, 0.0, 2.0, 2.0", "velocity": "0.3, -2.0", "radius": "[0.017, 0.018]",
-         "count": 3000, "steps": 12, "floor": "[[wall]]\nfrom = [-1.0, -0.051]\nto = [3.0, -0.051]\nthickness = 0.1"}  # fmt: skip
+         "count": 3000, "steps": 8, "floor": "[[wall]]\nfrom = [-1.0, -0.051]\nto = [3.0, -0.051]\nthickness = 0.1"}  # fmt: skip
 SPACE = {"dimension": 3, "gravity": "0.0, 0.0, -9.81", "box": "0.0, 0.0, 0.0, 1.0, 1.0, 4.4", "velocity": "0.3, 0.1, -2.0",
-         "radius": "[0.045, 0.046]", "count": 4000, "steps": 12, "floor": "[[container]]\nsize = [1.0, 1.0, 6.0]"}  # fmt: skip
+         "radius": "[0.045, 0.046]", "count": 4000, "steps": 8, "floor": "[[container]]\nsize = [1.0, 1.0, 6.0]"}  # fmt: skip
 SCENES = {
     "disks": PLANE | {"shape": "disk", "sides": ""},
     "polygons": PLANE | {"shape": "polygon", "sides": "sides = [5, 8]"},
