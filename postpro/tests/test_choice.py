@@ -145,7 +145,8 @@ def test_only_what_the_choice_needs_is_run(tmp_path):
 
 
 @with_program
-def test_a_state_goes_on_as_the_straight_run(tmp_path, capsys):
+def test_a_state_goes_on_as_the_straight_run(tmp_path, capsys, render_only):
+    render_only()
     text = STUDY.replace("[choice]\npresent = [\"twenty\", 1e-2]\n", "")
     straight = SimpleNamespace(text=text.replace("from = 10\nsteps = 5", "steps = 15"), place=tmp_path / "straight")
     goes_on = SimpleNamespace(text=text, place=tmp_path / "goes on")

@@ -50,13 +50,18 @@ def chains_of(ax):
 
 
 @pytest.mark.parametrize("command, size", [("summary", (2250, 1260)), ("energy", (1200, 1050)), ("solver", (1650, 1125))])
-def test_pages_have_their_size(folder, command, size):
+def test_pages_have_their_size(folder, capsys, command, size):
+    """The summary also prints what it saves."""
     assert main([command, str(folder)]) == 0
     path = folder / f"{command}.png"
     assert size_of(path) == size and path.stat().st_size > 30_000
+    printed = capsys.readouterr().out
+    assert "wrote" in printed
+    if command == "summary":
+        assert (folder / "summary.txt").read_text() in printed and "CPU time" in printed
 
 
-def test_traces(folder, capsys):
+def test_traces(folder, capsys, unarranged):
     assert main(["trace", str(folder)]) == 2
     assert "has no traces: set [report] trace = true" in capsys.readouterr().err
     write_traces(folder)
@@ -73,7 +78,7 @@ def test_traces(folder, capsys):
     assert np.allclose(list(tops.values()), 1e3 * steps["cpu_seconds"])
 
 
-def test_tracks(folder, capsys):
+def test_tracks(folder, capsys, unarranged):
     assert main(["tracks", str(folder)]) == 2
     assert 'set [[track]] body = "NAME" in the deck' in capsys.readouterr().err
     header = "step,time,body,x,force_x,force_y,mean_force_x,mean_force_y,mean_torque,contact_work,displacement,contacts\n"
@@ -92,7 +97,7 @@ def test_tracks(folder, capsys):
     assert figure.axes[0].lines[0].get_ydata().tolist() == [1, 2, 3]
 
 
-def test_regions(folder, capsys):
+def test_regions(folder, capsys, unarranged):
     assert main(["regions", str(folder)]) == 2
     assert "set [[region]] box = [...] in the deck" in capsys.readouterr().err
     header = "step,time,stage,region,grains,single_contacts,double_contacts,compactness,coordination,mean_velocity,max_velocity\n"
@@ -116,7 +121,7 @@ def test_regions(folder, capsys):
     assert all(list(ax.lines[-1].get_xdata()) == [2e-3, 2e-3] for ax in figure.axes)
 
 
-def test_walls(folder, capsys):
+def test_walls(folder, capsys, unarranged):
     assert main(["walls", str(folder)]) == 2
     assert "has no walls.csv" in capsys.readouterr().err
     header = "step,time,wall,x,y,force_x,mean_force_x,mean_force_y,pressure,mean_pressure,area,contacts\n"
@@ -131,7 +136,7 @@ def test_walls(folder, capsys):
     assert figure.axes[0].lines[0].get_ydata().tolist() == [1, 2, 3]
 
 
-def test_field(folder, capsys):
+def test_field(folder, capsys, unarranged):
     assert main(["field", str(folder)]) == 2
     assert "has no field_1.vtkhdf: set [[field]] in the deck" in capsys.readouterr().err
     with h5py.File(folder / "field_1.vtkhdf", "w") as file:
@@ -159,20 +164,13 @@ def test_scene_has_its_own_proportions(folder, tmp_path):
     assert width > height and 200 < height < 500
 
 
-def test_summary_prints_what_it_saves(folder, capsys):
-    assert main(["summary", str(folder)]) == 0
-    printed = capsys.readouterr().out
-    assert (folder / "summary.txt").read_text() in printed
-    assert "CPU time" in printed and "wrote" in printed
-
-
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_every_quantity_fills_the_grains(folder, quantity):
     ax, missing = drawn(Results(folder), quantity)
     assert missing == [] and len(grains_of(ax).get_paths()) == 24
 
 
-def test_split_shows_contacts_between_ranks(folder):
+def test_split_shows_contacts_between_ranks(folder, unarranged):
     with h5py.File(folder / "bodies.vtkhdf", "r+") as file:
         data = file["VTKHDF/PointData"]
         data["rank"][...] = data["start_position"][:, 0] > 3
@@ -227,7 +225,7 @@ def test_line_width_is_in_proportion_to_force(folder):
     assert widths.max() == pytest.approx(widths[force.argmax()])
 
 
-def test_forces_go_through_centres_of_pressure(folder):
+def test_forces_go_through_centres_of_pressure(folder, unarranged):
     results = Results(folder)
     ax = new_figure(6, 6).add_subplot()
     draw_scene(ax, results.scene(), "none", results.periods, View(forces=True))
@@ -243,7 +241,7 @@ def test_forces_go_through_centres_of_pressure(folder):
     assert main(["thrust", str(folder)]) == 2
 
 
-def test_step_without_contacts_draws_no_chain(folder):
+def test_step_without_contacts_draws_no_chain(folder, unarranged):
     ax, missing = drawn(Results(folder), picture=0)
     assert not chains_of(ax) and missing == []
     assert "no contact carries force" in [text.get_text() for text in ax.texts]
@@ -286,32 +284,28 @@ def test_cell_shows_each_grain_once_within_its_outline(tmp_path, tilt):
 
 
 @pytest.mark.parametrize("gone", ["bodies", "shapes", "contacts"])
-def test_what_is_missing_is_said(folder, capsys, gone):
+def test_what_is_missing_is_said(folder, capsys, unarranged, gone):
     (folder / f"{gone}.vtkhdf").unlink()
     assert main(["scene", str(folder)]) == 0
     assert f"no {gone}.vtkhdf" in capsys.readouterr().err
     assert size_of(folder / "scene.png")[0] > 500
 
 
-def test_summary_without_pictures(tmp_path, capsys):
-    write_record(tmp_path, 30)
-    assert main(["summary", str(tmp_path)]) == 0
-    assert "no pictures" in capsys.readouterr().out
-
-
-def test_summary_without_record(folder, capsys):
+def test_summary_without_record(folder, capsys, unarranged):
     (folder / "record.csv").unlink()
     assert main(["summary", str(folder)]) == 0
     assert "no record.csv" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("rows", [0, 1, 5000])
-def test_records_of_any_length(tmp_path, rows):
+def test_records_of_any_length(tmp_path, capsys, unarranged, rows):
+    """A record alone: the summary reports that there are no pictures."""
     write_record(tmp_path, rows or 1)
     if rows == 0:
         path = tmp_path / "record.csv"
         path.write_text(path.read_text().splitlines()[0] + "\n")
     assert main(["summary", str(tmp_path), "--dpi", "50"]) == 0
+    assert "no pictures" in capsys.readouterr().out
     assert main(["solver", str(tmp_path), "--dpi", "50"]) == (0 if rows else 2)
 
 

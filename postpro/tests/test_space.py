@@ -291,7 +291,7 @@ def test_scenes_without_shapes_or_contacts(tmp_path):
     assert drawn(Results(folder))[1] == ["no shapes.vtkhdf", "no contacts.vtkhdf"]
 
 
-def test_commands_in_space(tmp_path, capsys):
+def test_commands_in_space(tmp_path, capsys, unarranged):
     folder = write_space_results(tmp_path / "run")
     for words in (["scene"], ["scene", "--forces", "--azimuth", "-30", "--elevation", "40", "--cut", "z=0.9"], ["thrust"], ["summary"], ["energy"]):
         assert main([words[0], str(folder), "--dpi", "40", *words[1:]]) == 0

@@ -62,6 +62,8 @@ over = "mean"
 closed_form = '''0.1 + (0.5 - g * t**2 / 2 if t < t1 else v / 2 * (t - t1) - g * (t - t1)**2 / 2 if t < 2 * t1
                  else v / 4 * (t - 2 * t1) - g * (t - 2 * t1)**2 / 2)'''
 """
+# The same by a number of the end: no picture is written and read.
+ENDS = re.sub(r'name = "height".*', 'column = "kinetic_energy"\nclosed_form = "0"\n', BOUNCES, flags=re.S)
 STONES = f"""tolerances = [1e-2, 1e-6]
 seconds = 20
 [reference]
@@ -323,23 +325,25 @@ def test_order_one_across_impacts(bounced):
 
 
 @with_program
-def test_resuming(bounced, tmp_path, capsys):
-    shutil.copytree(bounced[1], tmp_path / "out")
-    path, out = written(tmp_path, BOUNCES), tmp_path / "out"
-    errors = [row["error of height"] for row in rows_of(out)]
+def test_resuming(tmp_path, capsys, render_only):
+    render_only()
+    path = written(tmp_path, ENDS)
+    code, out = done(tmp_path, path)
+    errors = [row["error of kinetic_energy"] for row in rows_of(out)]
     before = stamps(out)
-    assert len(before) == 3 and all(name.endswith(".json") for name in before)
+    assert code == 0 and len(before) == 3 and all(name.endswith(".json") for name in before) and len({*errors} - {""}) == 3
     # One result is gone, one is cut: these two are done again and no other.
     lost, cut, kept = sorted(before)
     (out / "runs" / lost).unlink()
     (out / "runs" / cut).write_text((out / "runs" / cut).read_text()[:40])
+    capsys.readouterr()
     assert done(tmp_path, path)[0] == 0
     assert "2 of 3 runs to do, 1 done before" in capsys.readouterr().out
     after = stamps(out)
     assert after.keys() == before.keys() and after[kept] == before[kept] and after[cut] != before[cut]
-    assert [row["error of height"] for row in rows_of(out)] == errors
+    assert [row["error of kinetic_energy"] for row in rows_of(out)] == errors
     # One more time step: the others are not run again.
-    assert done(tmp_path, written(tmp_path, BOUNCES.replace("[1e-2,", "[1e-2, 5e-3,")))[0] == 0
+    assert done(tmp_path, written(tmp_path, ENDS.replace("[1e-2,", "[1e-2, 5e-3,")))[0] == 0
     assert "1 of 4 runs to do, 3 done before" in capsys.readouterr().out
 
 
@@ -365,13 +369,15 @@ def test_against_the_smallest_step(bounced, tmp_path, capsys):
 
 
 @with_program
-def test_contact_problems(tmp_path, capsys):
+def test_contact_problems(tmp_path, capsys, render_only, unarranged):
+    render_only("case-1-distance", "case-1-trace")
     if not re.search(r"^HDF5\s+on", subprocess.run([PROGRAM, "--version"], capture_output=True, text=True).stdout, re.M):
         pytest.skip("the program is built without HDF5")
     code, out = done(tmp_path, written(tmp_path, STONES), "--jobs", "all")
     printed = capsys.readouterr().out
     rows = rows_of(out)
     assert code == 0 and len(rows) == 6 and "e1 <= 1e-06: interior         fastest 100 %" in printed
+    assert {path.name for path in out.glob("*.png")} == {"case-1-distance.png", "case-1-trace.png"}
     for row in rows:
         assert row["status"] == ("solved" if float(row["e1"]) <= float(row["value"]) else "not solved")
     near = [float(row["distance"]) for row in rows if row["variant"] == "interior" and row["repeat"] == "1"]
@@ -386,9 +392,10 @@ def test_contact_problems(tmp_path, capsys):
 
 
 @with_program
-def test_stopped_and_gone_on(tmp_path):
+def test_stopped_and_gone_on(tmp_path, capsys, render_only):
+    render_only()
     # The last run alone takes far longer than the others: it is under way when the study is stopped.
-    path = written(tmp_path, BOUNCES.replace("[1e-2, 1e-3, 1e-4]", "[1e-2, 1e-3, 1e-8]"))
+    path = written(tmp_path, ENDS.replace("[1e-2, 1e-3, 1e-4]", "[1e-2, 1e-3, 1e-8]"))
     words = [PROGRAM, "study", str(path), "--output", str(tmp_path / "out")]
     study = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     end = time.monotonic() + 300
@@ -399,9 +406,9 @@ def test_stopped_and_gone_on(tmp_path):
     assert study.returncode == 75 and "the same command goes on" in message and message.count("\n") == 1
     runs = list((tmp_path / "out" / "runs").iterdir())
     assert len(runs) == 2 and all(json.loads(run.read_text())["status"] == "done" for run in runs)
-    path = written(tmp_path, BOUNCES)
-    again = subprocess.run(words, capture_output=True, text=True, timeout=300)
-    assert again.returncode == 0 and "1 of 3 runs to do, 2 done before" in again.stdout
+    # A last run that ends: of its own results and of those before.
+    code, out = done(tmp_path, written(tmp_path, ENDS.replace("[1e-2, 1e-3, 1e-4]", "[1e-2, 1e-3, 5e-4]")))
+    assert code == 0 and "1 of 3 runs to do, 2 done before" in capsys.readouterr().out and len(rows_of(out)) == 3
 
 
 @with_program
@@ -419,13 +426,15 @@ def test_term_while_runs_are_waited_for(tmp_path):
 
 
 @with_program
-def test_limit_of_time(tmp_path):
-    code, out = done(tmp_path, written(tmp_path, "seconds = 1\n" + BOUNCES.replace("[1e-2, 1e-3, 1e-4]", "[1e-2, 1e-8]")))
+def test_limit_of_time(tmp_path, render_only):
+    render_only()
+    code, out = done(tmp_path, written(tmp_path, "seconds = 1\n" + ENDS.replace("[1e-2, 1e-3, 1e-4]", "[1e-2, 1e-8]")))
     assert code == 0 and [row["status"] for row in rows_of(out)] == ["done", "time limit"]
 
 
 @with_program
-def test_subdomains(tmp_path):
+def test_subdomains(tmp_path, render_only):
+    render_only("case-1-e1-bytes", "case-1-subdomains-bytes")
     deck = DECKS / "decomposition" / "packing.toml"
     text = f"""subdomains = [1, 2]
 [[case]]
@@ -443,9 +452,10 @@ column = "kinetic_energy"
 
 
 @with_program
-def test_network_of_the_talk(tmp_path):
+def test_network_of_the_talk(tmp_path, render_only, unarranged):
     """A small one: states by the deck's own law, then one cold step by another law, traced; linear interactions converge by every
     method, and on four subdomains to the same answer."""
+    render_only("case-1-history-*", "case-1-effort-*")
     small = """set = { "sample.count" = 150, "sample.box" = [0.0, 0.0, 0.25, 1.0], "wall[3].from" = [0.35, -0.2],
 "wall[3].to" = [0.35, 3.5]"""
     text = (DECKS / "talk" / "network.toml").read_text()
@@ -544,15 +554,18 @@ def test_comparison_tells_all_methods_apart():
 
 
 @with_program
-def test_what_a_solution_costs(tmp_path):
-    """The smallest scene of the study of the page, on one and four subdomains: messages of several only, more with every iteration, and
-    interior points that need none on one."""
+def test_what_a_solution_costs(tmp_path, render_only):
+    """The smallest scene of the study of the page, with fewer bricks, on one and four subdomains: messages of several only, more
+    with every iteration, and interior points that need none on one."""
+    render_only("case-1-effort-4")
     text = (DECKS / "talk" / "reasonable.toml").read_text()
     text = re.sub(r"subdomains = .*", "subdomains = [1, 4]", text).replace("values = [8, 64]", "values = [4]").replace("= [8]", "= [4]")
     text = text.replace('"solver.maximum_sweeps" = 60', '"solver.maximum_sweeps" = 6')
     head, *blocks = text.replace('"../', f'"{DECKS}/').split("[[")
     kept = [block for block in blocks if block.startswith("variant") or "brick_wall" in block]
     assert len(kept) < len(blocks)
+    assert kept[0].count("steps = 1\n") == 1
+    kept[0] = kept[0].replace("steps = 1\n", 'steps = 1\nset = { "brick_wall[1].rows" = 6, "brick_wall[1].columns" = 4 }\n')
     kept[0] = kept[0].replace('"solver.maximum_sweeps" = 20000', '"solver.maximum_sweeps" = 400')
     code, out = done(tmp_path, written(tmp_path, "[[".join([head, *kept])))
     assert code == 0 and (out / "case-1-effort-4.png").exists()
@@ -597,7 +610,8 @@ def test_folder_that_cannot_be_written(tmp_path, capsys):
 
 @with_program
 @pytest.mark.parametrize(("steps", "has_profile"), [([4, 5], False), ([3, 4, 5], True)])
-def test_profiles_need_three_cases(tmp_path, steps, has_profile):
+def test_profiles_need_three_cases(tmp_path, render_only, steps, has_profile):
+    render_only("profile-*")
     if not re.search(r"^HDF5\s+on", subprocess.run([PROGRAM, "--version"], capture_output=True, text=True).stdout, re.M):
         pytest.skip("the program is built without HDF5")
     text = STONES.replace("[1e-2, 1e-6]", "[1e-2]").replace("dump = 5", f"dump = {steps}").replace("[reference]\ntolerance = 1e-11\n", "")

@@ -16,6 +16,12 @@ STUDY = Path(__file__).parents[2] / "input_decks/studies/friction_of_blocks.toml
 pytestmark = pytest.mark.skipif("SPLITGRAIN_PROGRAM" not in os.environ, reason="no SPLITGRAIN_PROGRAM")
 
 
+@pytest.fixture
+def without_figures(monkeypatch):
+    """Leaves out rendering: figures of these studies are checked in other tests."""
+    monkeypatch.setattr("splitgrain_postpro.study.vary_figures.embedded", lambda *_: "")
+
+
 def rows_of(path):
     with open(path, newline="") as file:
         return list(csv.DictReader(file))
@@ -42,7 +48,7 @@ def test_blocks_against_closed_forms(tmp_path, capsys):
     assert capsys.readouterr().out.count("done before") == 8
 
 
-def test_parts_share_the_runs(tmp_path, capsys):
+def test_parts_share_the_runs(tmp_path, capsys, without_figures):
     """Tasks of a job array do all runs, each of them once; the study then has no run left."""
     command = ["study", str(STUDY), "--output", str(tmp_path / "study")]
     for part in ("1/3", "2/3", "3/3"):
@@ -57,7 +63,7 @@ def test_parts_share_the_runs(tmp_path, capsys):
         assert "--part needs" in capsys.readouterr().err
 
 
-def test_columns_of_regions_tracks_and_stages(tmp_path, capsys):
+def test_columns_of_regions_tracks_and_stages(tmp_path, capsys, without_figures):
     """A block that falls through a region in two stages: places by the throw, from the checkpoint of a first run."""
     deck = """[constants]
 g = 9.81
@@ -124,7 +130,7 @@ values = [5.0, 10.0]
         assert sentence in capsys.readouterr().err
 
 
-def test_seeds_give_mean_and_spread(tmp_path):
+def test_seeds_give_mean_and_spread(tmp_path, without_figures):
     (tmp_path / "deck.toml").write_text("""[time]
 step = 1e-3
 steps = 3
@@ -204,7 +210,7 @@ fill = 0.3
 """
 
 
-def test_any_column_is_plotted_with_mean_and_spread_over_seeds(tmp_path):
+def test_any_column_is_plotted_with_mean_and_spread_over_seeds(tmp_path, unarranged):
     """Every column of every table of a run may be plotted; the numbers of the files are those of the runs."""
     deck = sg.Deck(write(tmp_path / "deck.toml", GRAINS))
     columns = ["compactness", "wall_seconds", "pressure(all)", "y(lid)", "force_y(floor)"]
