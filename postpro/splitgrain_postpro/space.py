@@ -108,7 +108,7 @@ def draw_space(
     if view.thrust and scene.contacts is not None:
         draw_thrust(ax, scene, lambda points: (points @ axes.T)[..., :2], lambda line: line)
     if view.forces and scene.contacts is not None:
-        scale = _draw_forces(ax, scene, axes, frame, radius, view, common.force)
+        scale = _draw_forces(ax, scene, axes, frame, radius, view, common)
     if scale is not None and scale.map is not None:
         _colour_bar(ax, scale)
     note = "" if scale is None or not scale.note else f"      {scale.note}"
@@ -435,7 +435,7 @@ def thickest_force(scene: Scene) -> float | None:
     return float(np.quantile(force, 0.99)) if len(force) else None
 
 
-def _draw_forces(ax, scene, axes, frame, radius, view, most):
+def _draw_forces(ax, scene, axes, frame, radius, view, common):
     """Forces as bars from grain to grain, through the centre of pressure of each pair; returns their scale."""
     found = resultants(scene)
     if not len(found.force):
@@ -444,10 +444,10 @@ def _draw_forces(ax, scene, axes, frame, radius, view, most):
     force, lines = np.linalg.norm(found.force, axis=1), lines_of_force(found)
     shown = _kept(scene.bodies, view)[found.bodies].all(axis=1)
     # A tail of rare large forces must not thin out the chains: widths saturate at the largest hundredth.
-    thick = most or float(np.quantile(force, 0.99))
+    thick = common.force or float(np.quantile(force, 0.99))
     share = np.clip(force / thick, 0, 1)[shown]
     order = np.argsort(share)
-    canvas = Canvas(frame, PIXELS)
+    canvas = Canvas(frame, common.pixels or PIXELS)
     least = 0.7 / canvas.scale
     for k in (0, 1):
         canvas.add_tubes(*(lines[shown][order][:, m] @ axes.T for m in (k, k + 1)), np.maximum(0.45 * radius * share[order], least),
@@ -455,7 +455,7 @@ def _draw_forces(ax, scene, axes, frame, radius, view, most):
     colours = FORCES(share[order])[:, :3].astype(np.float32)
     ax.imshow(canvas.image(colours, 0.5 * radius, 0.0), extent=frame, origin="lower", zorder=4, interpolation="antialiased")
     # The scale of the colours ends where bars are thickest.
-    return colouring(force, "force", FORCES) if most is None else colouring(np.array([0.0, most]), "force", FORCES)
+    return colouring(force if common.force is None else np.array([0.0, common.force]), "force", FORCES)
 
 
 def _colour_bar(ax, scale):

@@ -74,11 +74,12 @@ def test_frames_have_one_box_one_scale_and_one_place(plane):
     assert seen[0][2][1] > Results(plane).scene(0).bodies.points[:, 1].max()
 
 
-def test_pictures_in_space_are_as_large_as_the_movie(space, monkeypatch):
-    monkeypatch.setattr("splitgrain_postpro.space.PIXELS", 300)
+def test_pictures_in_space_are_as_large_as_the_movie(space):
     movie = Movie(Results(space), [0, 1], "layer", View(forces=True), size=240)
     first, second = movie.frames()
     assert max(first.shape) == 240 and first.shape == second.shape and movie.common.force == pytest.approx(3.0, rel=0.01)
+    # Grains, and forces over them.
+    assert len(movie.ax.images) == 2 and all(max(image.get_array().shape) <= 240 for image in movie.ax.images)
 
 
 def test_layers_and_motion_relative_to_a_body(plane):
