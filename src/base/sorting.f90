@@ -126,30 +126,27 @@ contains
     order = sort_permutation(keys)
   end function hilbert_order
 
-  !> Place of a point of the unit square along Hilbert's curve of 2^20 cells a side.
+  !> Place of a point of the unit square along Hilbert's curve of 2^20 cells a side: digit by digit, without a branch, since
+  !! which way the curve turns is anyone's guess.
   pure integer(i8) function hilbert_key(point) result(key)
     real(wp), intent(in) :: point(2) !! within 0 to 1
-    integer, parameter :: order = 20
-    integer :: x, y, s, rx, ry, keep
+    integer, parameter :: order = 20, all_bits = 2**order - 1
+    integer :: x, y, digit, rx, ry, change
 
-    x = min(2**order - 1, max(0, int(point(1)*2**order)))
-    y = min(2**order - 1, max(0, int(point(2)*2**order)))
+    x = min(all_bits, max(0, int(point(1)*2**order)))
+    y = min(all_bits, max(0, int(point(2)*2**order)))
     key = 0
-    s = 2**(order - 1)
-    do while (s > 0)
-      rx = merge(1, 0, iand(x, s) > 0)
-      ry = merge(1, 0, iand(y, s) > 0)
-      key = key + int(s, i8)*int(s, i8)*int(ieor(3*rx, ry), i8)
-      if (ry == 0) then
-        if (rx == 1) then
-          x = 2**order - 1 - x
-          y = 2**order - 1 - y
-        end if
-        keep = x
-        x = y
-        y = keep
-      end if
-      s = s/2
+    do digit = order - 1, 0, -1
+      rx = ibits(x, digit, 1)
+      ry = ibits(y, digit, 1)
+      key = 4*key + int(ieor(3*rx, ry), i8)
+      ! In the two lower squares the curve is mirrored at a diagonal: at the other one in the right of them.
+      change = rx*(1 - ry)*all_bits
+      x = ieor(x, change)
+      y = ieor(y, change)
+      change = iand(ieor(x, y), (1 - ry)*all_bits)
+      x = ieor(x, change)
+      y = ieor(y, change)
     end do
   end function hilbert_key
 

@@ -94,16 +94,15 @@ contains
     real(wp) :: square
     integer :: m, j
 
+    ! Which are near is anyone's guess, so no branch depends on it: each is noted, and the next takes its place unless it is near.
     n_near = 0
     do m = 1, n
       j = member(m)
-      if (j <= after) cycle
       square = (own(1) - centre(1, j) - period(1)*real(image(1, m), wp))**2 + &
                (own(2) - centre(2, j) - period(2)*real(image(2, m), wp))**2 + &
                (own(3) - centre(3, j) - period(3)*real(image(3, m), wp))**2
-      if (square > (own_radius + radius(j))**2) cycle
-      n_near = n_near + 1
-      near(n_near) = m
+      near(n_near + 1) = m
+      n_near = n_near + merge(1, 0, j > after)*merge(0, 1, square > (own_radius + radius(j))**2)
     end do
   end subroutine find_near
 end module sg_around

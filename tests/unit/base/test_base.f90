@@ -7,7 +7,7 @@ program test_base
   use sg_kinds, only: i4, i8, wp
   use sg_lists, only: reserve
   use sg_random, only: random_t
-  use sg_sorting, only: sort_permutation
+  use sg_sorting, only: hilbert_order, sort_permutation
   use sg_text, only: lower, nearest_word, read_lines, text_t, to_text
   use sg_wildcards, only: has_wildcard, matches
   use written_files, only: put_text
@@ -23,6 +23,7 @@ program test_base
   call test_lists()
   call test_ascending()
   call test_sorting()
+  call test_curve()
   call test_wildcards()
   call t%finish()
 
@@ -217,6 +218,26 @@ contains
     end do
     call t%equal(wrong, 0, 'keys are sorted, and equal ones keep their order')
   end subroutine test_sorting
+
+  !> Hilbert's curve goes from each cell of a square or a cube to one next to it.
+  subroutine test_curve()
+    integer, parameter :: n = 16
+    real(wp), allocatable :: cell(:, :)
+    integer(i4), allocatable :: order(:)
+    integer :: dimension, i, k
+
+    do dimension = 2, 3
+      if (allocated(cell)) deallocate (cell)
+      allocate (cell(dimension, n**dimension))
+      do i = 1, n**dimension
+        cell(:, i) = [(real(mod((i - 1)/n**k, n), wp) + 0.5_wp, k=0, dimension - 1)]
+      end do
+      order = hilbert_order(cell, spread(0.0_wp, 1, dimension), real(n, wp))
+      associate (way => sum(abs(cell(:, order(2:)) - cell(:, order(:size(order) - 1))), dim=1))
+        call t%equal(count(nint(way) /= 1), 0, 'the curve goes from cell to cell')
+      end associate
+    end do
+  end subroutine test_curve
 
   !> Each line: a pattern, names that match it, and names that do not.
   subroutine test_wildcards()
