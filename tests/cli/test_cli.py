@@ -112,6 +112,10 @@ class Commands(Cli):
         self.assertEqual(self.run_program("reference").stdout, (SOURCE / "doc/deck_reference.md").read_text())
 
 
+# Decks of thousands of bodies, which take as long as all others with checks, and nothing that others of their folders do not take.
+CROWDS = ["decomposition/long_box.toml", "talk/tamping.toml", "talk/ballast/sample.toml", "talk/ballast/tamping.toml"]
+
+
 class Decks(Cli):
     def test_unknown_key_is_shown_with_a_caret(self):
         self.deck.write_text(DECK.replace("friction =", "frction ="))
@@ -156,6 +160,10 @@ class Decks(Cli):
         decks = sorted(path for path in (SOURCE / "input_decks").rglob("*.toml")
                        if path.parent.name != "extreme" and not any(word in path.read_text() for word in ("[[case]]", "[[vary]]")))
         self.assertTrue(decks)
+        crowds = [SOURCE / "input_decks" / name for name in CROWDS]
+        self.assertLessEqual(set(crowds), set(decks))
+        if "-fcheck" in self.run_program("--version").stdout:
+            decks = [deck for deck in decks if deck not in crowds]
         # Pictures and checkpoints need HDF5; all else of a deck runs without.
         without = [] if self.has_hdf5() else ["--set", "output.every=0", "--set", "restart.every=0"]
         # `check` builds a scene as `run` does, which takes as long: only builds with all libraries do both, and not of large scenes.

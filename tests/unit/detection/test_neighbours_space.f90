@@ -60,14 +60,14 @@ contains
     call t%check(contacts%n > 50, name//': there are contacts')
     call compare(scene, contacts, name)
     call check_list_again(t, scene, pairs, name)
-    do round = 1, 3
+    do round = 1, 2
       ! Three motions of 0.13 skin at most stay below half a skin, turns included.
       call move(scene, random, 0.065_wp*pairs%skin)
       call detect(scene, pairs, history, contacts)
       call t%equal(pairs%builds, 1, name//': the list stays while motions are small')
       call compare(scene, contacts, name//', moved a little')
     end do
-    do round = 1, 4
+    do round = 1, 2
       ! Just above half a skin, so that shapes of a pair may have used it up, then far.
       call move(scene, random, merge(0.7_wp*pairs%skin, 3.0_wp, round == 1))
       call detect(scene, pairs, history, contacts)
