@@ -1,9 +1,9 @@
 !> Copies on ranks: all pairs that a search of the whole scene finds exist on exactly one rank, all copies of a body are one
 !! body to the last bit, and contacts with their impulses survive a new split. Run on any number of subdomains.
 program test_halo
-  use fresh_simulations, only: fresh
+  use fresh_simulations, only: fresh, run_t
   use harness, only: tests_t
-  use packs, only: advance_pack, can_be_made, pack_deck, pack_names, start_pack
+  use packs, only: advance_pack, can_be_made, pack_alone, pack_names
   use sg_bodies, only: bodies_t
   use sg_comm, only: comm_t
   use sg_error, only: error_t
@@ -18,18 +18,13 @@ program test_halo
   use subdomain_tests, only: on_subdomains
   implicit none
 
-  !> A pack, or none where this build cannot make it.
-  type :: pack_t
-    type(simulation_t), pointer :: fallen => null()
-  end type pack_t
-
   type(tests_t) :: t
-  !> Packs that have fallen together on one rank, from which all numbers of ranks go on
-  type(pack_t), save :: packs_made(size(pack_names))
+  !> Packs that have fallen together on one rank, from which all numbers of ranks go on; none where this build cannot make one
+  type(run_t), save :: fallen(size(pack_names))
   integer :: p
 
   do p = 1, size(pack_names)
-    if (can_be_made(trim(pack_names(p)))) call fall(trim(pack_names(p)), packs_made(p)%fallen)
+    if (can_be_made(trim(pack_names(p)))) call fall(trim(pack_names(p)), fallen(p)%sim)
   end do
   call on_subdomains(run_tests)
   call t%finish()
@@ -44,7 +39,7 @@ contains
     if (comm%size == 1) return
     lists_kept = 0
     do i = 1, size(pack_names)
-      if (associated(packs_made(i)%fallen)) call test_pack(comm, trim(pack_names(i)), packs_made(i)%fallen, lists_kept)
+      if (associated(fallen(i)%sim)) call test_pack(comm, trim(pack_names(i)), fallen(i)%sim, lists_kept)
     end do
     call t%check(lists_kept > size(pack_names), 'copies are kept for many lists')
   end subroutine run_tests
@@ -53,10 +48,8 @@ contains
   subroutine fall(name, sim)
     character(len=*), intent(in) :: name
     type(simulation_t), pointer, intent(out) :: sim
-    type(comm_t) :: alone
 
-    sim => fresh()
-    call start_pack(t, alone, name, pack_deck(name), 1e-3_wp, sim)
+    sim => pack_alone(t, name, 1e-3_wp)
     call advance_pack(t, name, sim, 60)
     call t%check(sim%contacts%n > 5, name//': contacts')
   end subroutine fall

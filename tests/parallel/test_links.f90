@@ -1,7 +1,7 @@
 !> Links on several ranks: a net with a stone in it, masses on wires across the whole scene, and a ring of rods about a period move
 !! as on one rank, whichever way they are glued and however often they are repartitioned.
 program test_links
-  use fresh_simulations, only: fresh
+  use fresh_simulations, only: fresh, run_t
   use harness, only: tests_t
   use link_scenes, only: begin_links, link, put_mass
   use packs, only: advance_pack
@@ -20,14 +20,9 @@ program test_links
   integer, parameter :: steps = 60, every = 25, splits = 3
   character(len=8), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
 
-  !> A run on one rank.
-  type :: whole_t
-    type(simulation_t), pointer :: sim => null()
-  end type whole_t
-
   type(tests_t) :: t
   !> Runs on one rank, by dimension and kind of net: all numbers of ranks and all ways of gluing are compared with them
-  type(whole_t), save :: wholes(2:3, 4)
+  type(run_t), save :: wholes(2:3, 4)
   integer :: d, k
 
   do d = 2, 3

@@ -3,9 +3,9 @@
 !! plain sweeps where momentum is not taken. Where nothing closes, none at all.
 !! Run on any number of subdomains.
 program test_nesterov
-  use fresh_simulations, only: fresh
+  use fresh_simulations, only: fresh, run_t
   use harness, only: tests_t
-  use packs, only: advance_pack, can_be_made, next_problem, pack_deck, pack_names, start_pack
+  use packs, only: advance_pack, can_be_made, next_problem, pack_alone, pack_names, start_pack
   use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
@@ -26,18 +26,13 @@ program test_nesterov
   ! From nothing, one in eight problems of angular grains is not solved to 1e-7, with momentum or without, and all of forty to 1e-6.
   real(wp), parameter :: tolerance = 1e-7_wp, tolerance_of_corners = 1e-6_wp
 
-  !> A pack, or none where this build cannot make it.
-  type :: pack_t
-    type(simulation_t), pointer :: settled => null()
-  end type pack_t
-
   type(tests_t) :: t
-  !> Packs that have settled on one rank, from which all numbers of ranks go on
-  type(pack_t), save :: packs_made(size(pack_names))
+  !> Packs that have settled on one rank, from which all numbers of ranks go on; none where this build cannot make one
+  type(run_t), save :: settled(size(pack_names))
   integer :: p
 
   do p = 1, size(pack_names)
-    if (can_be_made(trim(pack_names(p)))) call settle(trim(pack_names(p)), packs_made(p)%settled)
+    if (can_be_made(trim(pack_names(p)))) call settle(trim(pack_names(p)), settled(p)%sim)
   end do
   call on_subdomains(run_tests)
   call t%finish()
@@ -50,7 +45,7 @@ contains
     integer :: i
 
     do i = 1, size(pack_names)
-      if (associated(packs_made(i)%settled)) call test_pack(comm, trim(pack_names(i)), packs_made(i)%settled)
+      if (associated(settled(i)%sim)) call test_pack(comm, trim(pack_names(i)), settled(i)%sim)
     end do
     call test_free_fall(comm)
   end subroutine run_tests
@@ -107,10 +102,8 @@ contains
   subroutine settle(name, sim)
     character(len=*), intent(in) :: name
     type(simulation_t), pointer, intent(out) :: sim
-    type(comm_t) :: alone
 
-    sim => fresh()
-    call start_pack(t, alone, name, pack_deck(name), 1e-4_wp, sim)
+    sim => pack_alone(t, name, 1e-4_wp)
     ! The problem is the same, whatever the sweeps by default.
     sim%options%solver%method = 'nlgs'
     sim%options%solver%check_every = 20

@@ -4,7 +4,12 @@ module fresh_simulations
   use sg_simulation, only: simulation_t
   implicit none
   private
-  public :: fresh
+  public :: fresh, run_t
+
+  !> A simulation in a list, or none.
+  type :: run_t
+    type(simulation_t), pointer :: sim => null()
+  end type run_t
 
   !> A simulation that was handed out.
   type :: held_t

@@ -1,5 +1,6 @@
 !> Small packs of grains between walls, as decks, for tests on several ranks.
 module packs
+  use fresh_simulations, only: fresh
   use harness, only: tests_t
   use sg_advance, only: advance
   use sg_assemble, only: assemble
@@ -19,7 +20,7 @@ module packs
   use written_files, only: read_deck_text
   implicit none
   private
-  public :: pack_names, pack_deck, can_be_made, start_pack, advance_pack, advance_both, next_problem, corner
+  public :: pack_names, pack_deck, can_be_made, start_pack, pack_alone, advance_pack, advance_both, next_problem, corner
 
   !> Kinds of packs
   character(len=20), parameter :: pack_names(8) = [character(len=20) :: 'disks', 'polygons', 'periodic disks', 'clusters', &
@@ -117,6 +118,18 @@ contains
     sim%options%recovery = 0
     call start_simulation(sim)
   end subroutine start_pack
+
+  !> A pack on one rank, not a step of which is done.
+  function pack_alone(t, name, tolerance) result(sim)
+    class(tests_t), intent(inout) :: t !! the checks
+    character(len=*), intent(in) :: name !! of the pack
+    real(wp), intent(in) :: tolerance !! e8 asked of the solver
+    type(simulation_t), pointer :: sim
+    type(comm_t) :: alone
+
+    sim => fresh()
+    call start_pack(t, alone, name, pack_deck(name), tolerance, sim)
+  end function pack_alone
 
   !> Go on for some steps.
   subroutine advance_pack(t, name, sim, steps)
