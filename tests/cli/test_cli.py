@@ -112,7 +112,7 @@ class Commands(Cli):
         self.assertEqual(self.run_program("reference").stdout, (SOURCE / "doc/deck_reference.md").read_text())
 
 
-# Decks of thousands of bodies, which take as long as all others with checks, and nothing that others of their folders do not take.
+# Decks of thousands of bodies: with sanitizers they take a third of the time of all decks.
 CROWDS = ["decomposition/long_box.toml", "talk/tamping.toml", "talk/ballast/sample.toml", "talk/ballast/tamping.toml"]
 
 

@@ -61,7 +61,7 @@ contains
     call compare(scene, contacts, name)
     call check_list_again(t, scene, pairs, name)
     do round = 1, 2
-      ! Three motions of 0.13 skin at most stay below half a skin, turns included.
+      ! Two motions of 0.13 skin at most stay below half a skin, turns included.
       call move(scene, random, 0.065_wp*pairs%skin)
       call detect(scene, pairs, history, contacts)
       call t%equal(pairs%builds, 1, name//': the list stays while motions are small')
