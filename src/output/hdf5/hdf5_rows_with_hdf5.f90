@@ -74,7 +74,8 @@ contains
     origin = [0_hsize_t, first + before]
     call h5dget_space_f(dataset, space, status)
     call h5sget_simple_extent_ndims_f(space, rank, status)
-    call h5screate_simple_f(1, [max(1_hsize_t, product(count))], memory, status)
+    ! Of the same rank as the rows: where shapes differ, HDF5 goes from number to number.
+    call h5screate_simple_f(rank, max(1_hsize_t, count(3 - rank:)), memory, status)
     if (product(count) > 0) then
       call h5sselect_hyperslab_f(space, h5s_select_set_f, origin(3 - rank:), count(3 - rank:), status)
     else
