@@ -45,7 +45,7 @@ contains
       if (.not. history%is_loaded .and. allocated(pairs%contactor)) call keep_pairs(history, pairs)
       call unwrap_images(history, scene)
       skin = pairs%asked_skin
-      if (.not. skin > 0) skin = fitting_skin(scene, pairs%substeps)
+      if (.not. skin > 0) skin = fitting_skin(scene, pairs%substeps, has_copies=.false.)
       call choose_margins(scene, pairs, skin, margin)
       folds = scene%cell%folds
       call build_neighbours(pairs, scene, scene%bodies%middle, margin)

@@ -260,7 +260,7 @@ contains
     type(comm_t), intent(inout) :: comm
 
     skin = 0
-    if (scene%bodies%n > 0 .and. scene%contactors%n > 0) skin = fitting_skin(scene, substeps)
+    if (scene%bodies%n > 0 .and. scene%contactors%n > 0) skin = fitting_skin(scene, substeps, has_copies=.true.)
     call comm%maximum(skin)
   end function common_skin
 

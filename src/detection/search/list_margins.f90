@@ -119,10 +119,12 @@ contains
   !! ones cost searches.
   !!
   !! Bodies move from their position to `middle` in half a substep, so the fastest crosses half the skin in about eight steps.
-  pure real(wp) function fitting_skin(scene, substeps) result(skin)
+  pure real(wp) function fitting_skin(scene, substeps, has_copies) result(skin)
     type(scene_t), intent(in) :: scene !! scene with its `middle` configuration
     integer, intent(in) :: substeps !! from one detection to the next
-    real(wp), parameter :: thinnest = 0.1_wp, thickest = 1 ! in mean radii
+    logical, intent(in) :: has_copies !! does the skin decide how far grains are copied to other ranks?
+    ! In mean radii. Copies reach as far as several skins.
+    real(wp), parameter :: thinnest = 0.1_wp, thickest = 1.5_wp, thickest_with_copies = 1
     real(wp) :: reach, step
 
     skin = 0
@@ -133,7 +135,7 @@ contains
         step = 2*sqrt(maxval(sum((bodies%middle(:n, :) - bodies%position)**2, 1)))
       end associate
     end associate
-    skin = max(thinnest*reach, min(thickest*reach, 16*real(substeps, wp)*step))
+    skin = max(thinnest*reach, min(merge(thickest_with_copies, thickest, has_copies)*reach, 16*real(substeps, wp)*step))
   end function fitting_skin
 
   !> Mean reach of the shapes that bound no others [m], or of all where there is nothing else.

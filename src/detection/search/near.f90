@@ -25,7 +25,7 @@ contains
     type(contactors_t), intent(in) :: contactors !! all contactors
     integer, intent(in) :: c !! the one to look at
 
-    arm = sum(abs(contactors%shift(:, c)))
+    arm = shift_length(contactors, c)
     if (is_bounding(contactors%kind(c)) .and. .not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
   end function turning_arm
 
@@ -35,9 +35,19 @@ contains
     type(contactors_t), intent(in) :: contactors !! all contactors
     integer, intent(in) :: c !! the one to look at
 
-    arm = sum(abs(contactors%shift(:, c)))
+    arm = shift_length(contactors, c)
     if (.not. is_round(contactors%kind(c))) arm = arm + contactors%reach(c)
   end function farthest_arm
+
+  !> How far the centre of a contactor is from that of its body [m], at most. Component by component: sums of unknown length are
+  !! loops.
+  pure real(wp) function shift_length(contactors, c) result(length)
+    type(contactors_t), intent(in) :: contactors
+    integer, intent(in) :: c
+
+    length = abs(contactors%shift(1, c)) + abs(contactors%shift(2, c))
+    if (contactors%dimension == 3) length = length + abs(contactors%shift(3, c))
+  end function shift_length
 
   !> Can the gap between two contactors, j moved by some periods, be below a distance?
   pure logical function is_near(contactors, i, j, offset, period, distance)

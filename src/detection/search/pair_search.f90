@@ -3,7 +3,7 @@
 !! Contactors are looked at along the curve of their bodies, so that most share their cell with the one before: what lies in the
 !! cells about it is gathered once, level by level. Of what is gathered most is far, which a square decides.
 module sg_pair_search
-  use sg_around, only: around_t, find_near, gather
+  use sg_around, only: around_t, find_near, gather, n_places, place_of
   use sg_bodies, only: body_present
   use sg_cells, only: build_cells, cells_t, level_cell
   use sg_contactors, only: contactors_t, n_kinds
@@ -32,11 +32,12 @@ module sg_pair_search
     !! sphere about it; and how much farther apart than these two may be sought [m]
     real(wp), allocatable :: radius(:)
     real(wp) :: margin = 0
-    !> Periods, and what distances may lose where places are brought back into them [m]
+    !> Periods, whether there are any, and what distances may lose where places are brought back into them [m]
     real(wp) :: period(3) = 0, slack = 0
-    !> Cells, and what lies about those looked at last, level by level
+    logical :: is_periodic = .false.
+    !> Cells, and what lies about those looked at last, by place and level
     type(cells_t) :: cells
-    type(around_t), allocatable :: around(:)
+    type(around_t), allocatable :: around(:, :)
   end type search_t
 
 contains
@@ -55,7 +56,7 @@ contains
     pairs%is_late = .false.
     do i = 1, size(search%contactor)
       do level = search%cells%level(i), search%cells%n_levels
-        call look_around(pairs, scene, search, search%around(level), i, level)
+        call look_around(pairs, scene, search, i, level)
       end do
       if (pairs%deadline > 0) pairs%is_late = wall_now() > pairs%deadline
       if (pairs%is_cut .or. pairs%is_late) exit
@@ -83,7 +84,7 @@ contains
       if (is_bounding(scene%contactors%kind(search%contactor(i)))) search%radius(i) = 1e100_wp
     end do
     call build_cells(search%cells, search%centre, reach, search%margin, search%period)
-    allocate (search%around(search%cells%n_levels))
+    allocate (search%around(n_places, search%cells%n_levels))
   end subroutine begin_search
 
   !> Centres and radii as cells want them.
@@ -96,6 +97,7 @@ contains
     integer :: i, axis
 
     search%period = periods_of(scene)
+    search%is_periodic = any(search%period > 0)
     ! Cells stand upright: places are sheared back by the tilt, by which distances grow no more than this.
     slope = 0
     if (scene%cell%is_on) slope = scene%cell%middle(4)/scene%cell%middle(2)
@@ -155,33 +157,51 @@ contains
   end function class_of
 
   !> Pairs of one contactor with those of one level in the 3 by 3 (by 3) cells about it.
-  subroutine look_around(pairs, scene, search, around, i, level)
+  subroutine look_around(pairs, scene, search, i, level)
     type(neighbours_t), intent(inout) :: pairs
     type(scene_t), intent(in) :: scene
     type(search_t), intent(inout) :: search
-    type(around_t), intent(inout) :: around !! what was gathered last in the level
     integer, intent(in) :: i, level
-    integer(i4) :: home(3), image(3)
-    integer :: k, m, n, after, axis
+    integer(i4) :: home(3)
+    integer :: place, after, n
 
     if (search%cells%level(i) == level) then
       home = search%cells%cell(:, i)
     else
       home = level_cell(search%cells, level, search%centre(:, i))
     end if
-    if (any(home /= around%home)) call gather(search%cells, scene%dimension, level, home, around)
+    place = place_of(home)
     ! Of two of one level the pair follows the first.
     after = merge(i, 0, search%cells%level(i) == level)
-    call find_near(around%n, around%member, around%image, after, search%centre(:, i), search%centre, &
-                   search%radius(i) + search%margin + search%slack, search%radius, search%period, around%near, n)
+    associate (around => search%around(place, level))
+      if (any(home /= around%home)) &
+        call gather(search%cells, scene%dimension, level, home, search%centre, search%radius, search%period, around)
+      call find_near(around, after, search%centre(:, i), search%radius(i) + search%margin + search%slack, n)
+      call consider_near(pairs, scene, search, around, i, n)
+    end associate
+  end subroutine look_around
+
+  !> Consider one contactor with those that are near it.
+  subroutine consider_near(pairs, scene, search, around, i, n)
+    type(neighbours_t), intent(inout) :: pairs
+    type(scene_t), intent(in) :: scene
+    type(search_t), intent(in) :: search
+    type(around_t), intent(in) :: around
+    integer, intent(in) :: i, n
+    integer(i4) :: image(3)
+    integer :: k, m, axis
+
+    image = 0
     do k = 1, n
       m = around%near(k)
-      do axis = 1, 3
-        image(axis) = around%image(axis, m) + search%crossed(axis, i) - search%crossed(axis, around%member(m))
-      end do
+      if (search%is_periodic) then
+        do axis = 1, 3
+          image(axis) = around%image(axis, m) + search%crossed(axis, i) - search%crossed(axis, around%member(m))
+        end do
+      end if
       call consider(pairs, scene, search, i, int(around%member(m)), image)
     end do
-  end subroutine look_around
+  end subroutine consider_near
 
   !> Keep a pair when the two see each other and are near.
   subroutine consider(pairs, scene, search, one, other, image)
