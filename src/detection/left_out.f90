@@ -100,11 +100,10 @@ contains
     n = size(motion, 1)
     allocate (is_thrown(size(motion, 2)))
     do c = 1, size(motion, 2)
-      associate (free => pairs%motion(:, c)/times, now => motion(:, c))
-        square = (now(1) - free(1))**2 + (now(2) - free(2))**2
-        if (n == 4) square = square + (now(3) - free(3))**2
-        is_thrown(c) = sqrt(square) + max(0.0_wp, now(n) - free(n)) > limit
-      end associate
+      ! Component by component: differences of unknown length go through memory that is allocated.
+      square = (motion(1, c) - pairs%motion(1, c)/times)**2 + (motion(2, c) - pairs%motion(2, c)/times)**2
+      if (n == 4) square = square + (motion(3, c) - pairs%motion(3, c)/times)**2
+      is_thrown(c) = sqrt(square) + max(0.0_wp, motion(n, c) - pairs%motion(n, c)/times) > limit
     end do
   end subroutine find_thrown
 
