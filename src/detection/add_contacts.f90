@@ -8,7 +8,7 @@ module sg_add_contacts
   use sg_internal_values, only: first_internal, keeps_gap, not_recorded
   use sg_kept_contacts, only: has_moved_in_plane, has_moved_in_space, keep_in_plane, keep_in_space, move_in_plane, move_in_space, &
                               n_kept_in_plane, n_kept_in_space, n_pose_in_plane, n_pose_in_space, pose_in_plane, pose_in_space, &
-                              shorter_reach
+                              shorter_reach, way_between
   use sg_kinds, only: wp, i1, i4
   use sg_laws, only: is_cohesive_zone, law_mohr, status_bonded, status_new
   use sg_neighbour_list, only: neighbours_t, offset_of
@@ -152,17 +152,11 @@ contains
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
     integer, intent(in) :: substeps !! from one detection to the next
-    real(wp) :: x, y, z
 
-    associate (position => scene%bodies%position, middle => scene%bodies%middle, &
-               b => scene%contactors%body(c), d => scene%contactors%body(a))
-      x = (middle(1, b) - position(1, b)) - (middle(1, d) - position(1, d))
-      y = (middle(2, b) - position(2, b)) - (middle(2, d) - position(2, d))
-      z = 0
-      if (scene%dimension == 3) z = (middle(3, b) - position(3, b)) - (middle(3, d) - position(3, d))
+    associate (bodies => scene%bodies, body => scene%contactors%body)
+      is_slow = way_between(scene%dimension, size(bodies%middle, 1), bodies%position, bodies%middle, body(c), body(a), &
+                            substeps) <= kept_length(scene, c, a)
     end associate
-    ! From the position to the middle is half a substep.
-    is_slow = 2*real(substeps, wp)*sqrt(x**2 + y**2 + z**2) <= kept_length(scene, c, a)
   end function is_slow
 
   !> Add the contacts that a pair had in the last detection, where its shapes are now; if they are kept, as far as is looked

@@ -3,7 +3,6 @@ module sg_detect
   use sg_add_contacts, only: add_contacts
   use sg_contactors, only: kind_polygon, kind_polyhedron
   use sg_contacts, only: contacts_t, drop_contacts, grow_contacts
-  use sg_follow_pairs, only: are_followed
   use sg_history, only: exchange_kept, fold_images, history_t, keep_contacts, keep_faces, keep_pairs, match_pairs, &
                         unwrap_images
   use sg_internal_values, only: n_internal_of
@@ -13,6 +12,7 @@ module sg_detect
   use sg_list_margins, only: choose_margins, fitting_skin, neighbours_are_stale
   use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_neighbours, only: build_neighbours
+  use sg_polygon_pairs, only: are_mostly_kept, are_plain_polygons
   use sg_scene, only: scene_t
   use sg_sees, only: alert_of
   use sg_touch_link, only: touch_link
@@ -34,7 +34,7 @@ contains
     real(wp) :: skin
     real(wp), allocatable :: margin(:)
     integer(i4) :: folds
-    logical :: are_kept
+    logical :: corners_wait
 
     if (.not. history%is_loaded) then
       call keep_contacts(history, contacts)
@@ -56,23 +56,24 @@ contains
       call match_pairs(history, scene, pairs)
     end if
     ! Where most pairs are measured, corners of all polygons are placed in one pass.
-    are_kept = are_followed(scene, history, contacts)
-    call place_pieces(scene%contactors, scene%bodies%middle, pairs%corners_wait .and. are_kept)
+    corners_wait = pairs%corners_wait .and. are_plain_polygons(scene, history, contacts)
+    if (corners_wait) corners_wait = are_mostly_kept(history)
+    call place_pieces(scene%contactors, scene%bodies%middle, corners_wait)
     if (.not. allocated(pairs%alert)) allocate (pairs%alert(size(scene%sees)))
     pairs%alert(:) = alert_of(scene%sees, pairs%way)
     if (scene%cell%is_on) contacts%upwards = scene%cell%middle([4, 2])
-    call touch_all(scene, pairs, history, are_kept, contacts)
+    call touch_all(scene, pairs, history, corners_wait, contacts)
     history%is_loaded = .false.
     history%is_start = .false.
     history%is_untouched = history%is_untouched .and. contacts%n == 0
   end subroutine detect
 
   !> Narrow phase over all pairs.
-  subroutine touch_all(scene, pairs, history, goes_on, contacts)
+  subroutine touch_all(scene, pairs, history, corners_wait, contacts)
     type(scene_t), intent(inout) :: scene
     type(neighbours_t), intent(inout) :: pairs
     type(history_t), intent(inout) :: history
-    logical, intent(in) :: goes_on !! do pairs of polygons go through `follow_pairs`?
+    logical, intent(in) :: corners_wait !! do corners of polygons wait until a pair needs them?
     type(contacts_t), intent(inout) :: contacts
     integer(i4), allocatable :: first(:)
     type(runs_t) :: runs
@@ -87,7 +88,7 @@ contains
     allocate (first(pairs%n + 1))
     if (sum(scene%contactors%n_rows([kind_polygon, kind_polyhedron])) > 0) &
       call keep_faces(history, pairs%n_near, scene%dimension - 1)
-    call begin_runs(scene, pairs, history, contacts, goes_on, runs)
+    call begin_runs(scene, pairs, history, contacts, corners_wait, runs)
     call touch_pieces(scene, pairs, history, runs, contacts, first)
     is_late = pairs%is_late
     do p = pairs%n_near + 1, pairs%n

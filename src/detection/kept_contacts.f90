@@ -21,7 +21,7 @@ module sg_kept_contacts
   private
   public :: keep_in_plane, keep_in_space, move_from, move_in_plane, move_in_space, pose_between, pose_in_plane, pose_in_space
   public :: has_moved_in_plane, has_moved_in_space, n_kept_in_plane, n_kept_in_space, n_pose_in_plane, n_pose_in_space
-  public :: shorter_reach
+  public :: shorter_reach, way_between
 
   !> Values of a pose, and of a contact that is kept
   integer, parameter :: n_pose_in_plane = 4, n_pose_in_space = 7, n_kept_in_plane = 11, n_kept_in_space = 16
@@ -126,6 +126,25 @@ contains
     ! Twice, so that a step which looks a little farther need not detect all pairs again.
     shorter_reach = merge(min(2*alert, longest), reach, reach > 2*alert)
   end function shorter_reach
+
+  !> Way of two bodies against each other from one detection to the next [m], as they move now.
+  pure real(wp) function way_between(dimension, n, position, middle, c, a, substeps) result(way)
+    integer, intent(in) :: dimension !! of space
+    integer, intent(in) :: n !! components of a configuration
+    real(wp), intent(in) :: position(dimension, *) !! of all bodies, before the substep [m]
+    real(wp), intent(in) :: middle(n, *) !! configuration in the middle of the substep
+    integer(i4), intent(in) :: c !! one body
+    integer(i4), intent(in) :: a !! the other
+    integer, intent(in) :: substeps !! from one detection to the next
+    real(wp) :: x, y, z
+
+    x = (middle(1, c) - position(1, c)) - (middle(1, a) - position(1, a))
+    y = (middle(2, c) - position(2, c)) - (middle(2, a) - position(2, a))
+    z = 0
+    if (dimension == 3) z = (middle(3, c) - position(3, c)) - (middle(3, a) - position(3, a))
+    ! From the position to the middle is half a substep.
+    way = 2*real(substeps, wp)*sqrt(x**2 + y**2 + z**2)
+  end function way_between
 
   !> Store a contact that a detection has found, in the plane.
   pure subroutine keep_in_plane(contactors, a, offset, face, pose, normal, point, gap, alert, kept)

@@ -39,18 +39,24 @@ contains
     end do
   end function find_named
 
-  !> Name the two of a contact: contactors and bodies.
-  pure subroutine put_names(c, a, body_of, contactor, body)
+  !> Name the two of a contact, contactors and bodies; the image and the law of their pair are its own.
+  pure subroutine put_names(c, a, body_of, pair_image, pair_law, contactor, body, image, law)
     integer(i4), intent(in) :: c !! candidate
     integer(i4), intent(in) :: a !! antagonist
     integer(i4), intent(in) :: body_of(*) !! body of each contactor
+    integer(i1), intent(in) :: pair_image !! periods in x by which the antagonist is moved
+    integer, intent(in) :: pair_law !! law of the pair
     integer(i4), intent(inout) :: contactor(2) !! contactors of the contact
     integer(i4), intent(inout) :: body(2) !! its bodies
+    integer(i1), intent(inout) :: image !! its image
+    integer(i4), intent(inout) :: law !! its law
 
     contactor(1) = c
     contactor(2) = a
     body(1) = body_of(c)
     body(2) = body_of(a)
+    image = pair_image
+    law = int(pair_law, i4)
   end subroutine put_names
 
   !> Impulse and status of a contact from its past. Components are asked for one by one: of a number that is not known the compiler

@@ -109,9 +109,7 @@ contains
       half = 0.5_wp*(distance - both)
       point(1, n) = (centre(1, c) - reach(c)*x) - half*x
       point(2, n) = (centre(2, c) - reach(c)*y) - half*y
-      image_of(n) = image(p)
-      call put_names(c, a, body_of, contactor(:, n), body(:, n))
-      law(n) = int(law_of(see(p)), i4)
+      call put_names(c, a, body_of, image(p), law_of(see(p)), contactor(:, n), body(:, n), image_of(n), law(n))
       feature(n) = 0
       call recall_impulse(before, n_components, impulse_before, status_before, impulse(:, n), status(n))
     end do
@@ -164,10 +162,8 @@ contains
       point(1, n) = (centre(1, c) - reach(c)*x) - half*x
       point(2, n) = (centre(2, c) - reach(c)*y) - half*y
       point(3, n) = (centre(3, c) - reach(c)*z) - half*z
-      image_of(n) = image(p)
+      call put_names(c, a, body_of, image(p), law_of(see(p)), contactor(:, n), body(:, n), image_of(n), law(n))
       image_y_of(n) = image_y(p)
-      call put_names(c, a, body_of, contactor(:, n), body(:, n))
-      law(n) = int(law_of(see(p)), i4)
       feature(n) = 0
       call recall_impulse(before, n_components, impulse_before, status_before, impulse(:, n), status(n))
     end do

@@ -8,14 +8,13 @@ module sg_touch_run
   use sg_contactors, only: kind_polygon
   use sg_contacts, only: contacts_t, grow_contacts
   use sg_follow, only: follows
-  use sg_follow_pairs, only: follow_pairs, most_followed
   use sg_history, only: history_t
   use sg_kinds, only: wp, i4
   use sg_narrow_phase, only: are_found_apart, path_of_pair, touch_in_plane, touch_in_space
   use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_pair_alert, only: alert_of_pair
   use sg_placed_corners, only: place_corners_once
-  use sg_polygon_pairs, only: are_plain_polygons, touch_polygons
+  use sg_polygon_pairs, only: are_plain_polygons, most_points, touch_polygons
   use sg_round_pairs, only: are_plain_rounds, touch_rounds
   use sg_scene, only: scene_t
   use sg_shape_kinds, only: is_bounding
@@ -31,9 +30,10 @@ module sg_touch_run
 
   !> What all pairs of a detection share
   type :: runs_t
-    !> Do pairs of polygons go through `follow_pairs`, or through `touch_polygons`, and those of disks or spheres through
-    !! `touch_rounds`?
-    logical :: goes_on = .false., has_polygons = .false., has_rounds = .false.
+    !> Do pairs of polygons go through `touch_polygons`, and those of disks or spheres through `touch_rounds`?
+    logical :: has_polygons = .false., has_rounds = .false.
+    !> Do corners of polygons wait until a pair needs them?
+    logical :: corners_wait = .false.
     !> Of each line of the see tables: alert distance and longest one [m], and law
     real(wp), allocatable :: near(:), longest(:)
     integer, allocatable :: law(:)
@@ -42,16 +42,16 @@ module sg_touch_run
 contains
 
   !> What all pairs share.
-  subroutine begin_runs(scene, pairs, history, contacts, goes_on, runs)
+  subroutine begin_runs(scene, pairs, history, contacts, corners_wait, runs)
     type(scene_t), intent(in) :: scene !! scene with its see tables
     type(neighbours_t), intent(in) :: pairs !! list of neighbours, its alert distances set
     type(history_t), intent(in) :: history !! contacts of the last detection
     type(contacts_t), intent(in) :: contacts !! contacts of the step so far: none
-    logical, intent(in) :: goes_on !! do pairs of polygons go through `follow_pairs`? Else the corners of all are placed
+    logical, intent(in) :: corners_wait !! do corners of polygons wait until a pair needs them?
     type(runs_t), intent(out) :: runs !! what they share
 
-    runs%goes_on = goes_on
-    runs%has_polygons = .not. goes_on .and. are_plain_polygons(scene, history, contacts)
+    runs%corners_wait = corners_wait
+    runs%has_polygons = are_plain_polygons(scene, history, contacts)
     runs%has_rounds = are_plain_rounds(scene, history, contacts)
     ! Allocated before: an assignment would compute with the bounds of what is not there.
     associate (n => size(scene%sees))
@@ -84,16 +84,15 @@ contains
       if (ends_early(pairs, contacts, next, is_late)) exit
       last = end
       is_near = .false.
-      if (runs%goes_on .or. runs%has_polygons .or. runs%has_rounds) then
+      if (runs%has_polygons .or. runs%has_rounds) then
         last = min(end, (next/pairs_per_look + 1)*pairs_per_look - 1)
-        call grow_contacts(contacts, contacts%n + most_followed)
+        call grow_contacts(contacts, contacts%n + most_points)
         if (contacts%is_cut) exit
         if (runs%has_rounds) call touch_rounds(scene, pairs, history, runs%near, runs%law, last, contacts, first, next)
         if (runs%has_polygons .and. next <= last) &
-          call touch_polygons(scene, pairs, history, runs%near, runs%law, last, contacts, first, next)
-        if (runs%goes_on .and. next <= last) &
-          call follow_pairs(scene, pairs, history, runs%near, runs%longest, runs%law, last, contacts, first, next, alert, is_near)
-        if (next > last .or. contacts%n + most_followed > size(contacts%gap)) cycle
+          call touch_polygons(scene, pairs, history, runs%near, runs%longest, runs%law, runs%corners_wait, last, contacts, first, &
+                              next, alert, is_near)
+        if (next > last .or. contacts%n + most_points > size(contacts%gap)) cycle
         last = next
       end if
       do p = next, last

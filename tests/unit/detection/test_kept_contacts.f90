@@ -9,9 +9,9 @@ program test_kept_contacts
   use sg_comm, only: comm_t
   use sg_detect, only: detect
   use sg_error, only: error_t
-  use sg_follow_pairs, only: are_followed
   use sg_history, only: exchange_kept, keep_contacts
   use sg_kinds, only: wp, pi
+  use sg_polygon_pairs, only: are_plain_polygons
   use sg_random, only: random_t
   use sg_rotations, only: quaternion_product, rotation_by, turned_by
   use sg_simulation, only: decompose, simulation_t
@@ -104,7 +104,7 @@ contains
     call copy(sim, next)
     call keep_contacts(next%history, next%contacts)
     call exchange_kept(next%history, next%contacts)
-    followed_now = merge(1, 0, are_followed(next%scene, next%history, next%contacts))
+    followed_now = merge(1, 0, are_plain_polygons(next%scene, next%history, next%contacts))
   end function followed_now
 
   !> Contacts of a pair that a loop over plain arrays follows are those of the general way, which contacts go that carry values.
@@ -116,7 +116,7 @@ contains
     general%contacts%n_carried = 1
     if (allocated(general%contacts%carried)) deallocate (general%contacts%carried)
     allocate (general%contacts%carried(1, size(general%contacts%gap)), source=0.0_wp)
-    call t%check(.not. are_followed(general%scene, general%history, general%contacts), name//': the general way')
+    call t%check(.not. are_plain_polygons(general%scene, general%history, general%contacts), name//': the general way')
     call detect(general%scene, general%pairs, general%history, general%contacts)
     call t%equal(general%contacts%n, followed%contacts%n, name//': as many by the general way')
     if (general%contacts%n /= followed%contacts%n .or. followed%contacts%n == 0) return
