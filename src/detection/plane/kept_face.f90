@@ -24,7 +24,7 @@ contains
     real(wp), intent(out) :: inside !! distance of that vertex from the ends of the face, seen along its normal [m]
     logical, intent(out) :: is_best !! is it the best of its polygon, and as good as any of the other at least?
     real(wp) :: normal(2), start(2), place, depth, back, off
-    integer :: i
+    integer :: i, k
 
     normal = edges(1:2, edge)
     start = reference(:, edge)
@@ -35,7 +35,11 @@ contains
     if (is_best) is_best = stands_off(normal, edges(:, merge(n_r, edge - 1, edge == 1)), inside, slack)
     if (is_best) is_best = stands_off(normal, edges(:, merge(1, edge + 1, edge == n_r)), inside, slack)
     if (.not. is_best) return
-    do i = 1, n_r
+    ! Vertices that are far behind the face are opposite to it.
+    do k = 0, n_r - 1
+      i = edge + (n_r + 1)/2 + k
+      if (i > n_r) i = i - n_r
+      if (i > n_r) i = i - n_r
       back = normal(1)*(start(1) - reference(1, i)) + normal(2)*(start(2) - reference(2, i))
       off = abs(normal(1)*(reference(2, i) - start(2)) - normal(2)*(reference(1, i) - start(1)) - place)
       if (inside*back >= 4*depth*(inside + off)) return

@@ -19,6 +19,9 @@
 !! faces as good: one that is rejected in its favour is higher by `same_length` at most, and of such steps there are no more than
 !! faces. So no point depends on what is kept.
 !!
+!! With a face its lowest vertex is kept. Where the two next to it are clearly higher it is the lowest still, since polygons are
+!! convex; else all are looked at.
+!!
 !! A point is named after its vertex, 1 to n_c of the candidate, n_c + 1 to n_c + n_a of the antagonist: whichever face is the
 !! reference and whichever edge the incident one, which a tilt of rounding size may change, the vertex stays. Of two
 !! vertices at one place the candidate's gives the name.
@@ -28,12 +31,14 @@ module sg_touch_convex
   use sg_touch, only: touch_t, add_point, same_length
   implicit none
   private
-  public :: touch_convex
+  public :: touch_convex, vertex_unit
 
   !> Points nearer than this fraction of the shorter edge are one: a second one would add nothing
   real(wp), parameter :: same_point = 1e-6_wp
   !> Vertices nearer than this fraction of the shorter edge are at one place, so that the name outlives small slips
   real(wp), parameter :: same_corner = 0.01_wp
+  !> A face kept is its edge and this times the vertex that is lowest over it, where both are less than half of it
+  integer(i4), parameter :: vertex_unit = 2_i4**16
 
   !> An edge of the reference polygon and what faces it
   type :: face_t
@@ -65,33 +70,35 @@ contains
     real(wp), intent(in) :: radius_a !! thickness of the antagonist's skin [m]
     real(wp), intent(in) :: alert !! gap from which nothing is reported [m]
     integer(i4), intent(inout) :: kept !! face to try first, on return the best one: an edge of the antagonist; of the candidate
-    !! where it is negative; 0 for none. The points do not depend on it
+    !! where it is negative; 0 for none; with the vertex over it (`key_of`). The points do not depend on it
     type(touch_t), intent(out) :: touch !! points found
     real(wp), intent(out), optional :: clearance !! the hulls are as far apart at least, however that is measured; nothing where
     !! they are found nearer than the points count [m]
     type(face_t) :: face_a, face_c
     real(wp) :: reach, floor, slack, height
-    integer :: edge_a, edge_c, low_a, low_c
+    integer :: edge_a, edge_c, low_a, low_c, guess
     logical :: is_proven
 
     reach = alert + radius_a
     floor = -huge(floor)
     slack = real(n_a + n_c + 4, wp)*same_length*longest
-    edge_a = usable(int(kept), n_a, edges_a)
-    edge_c = usable(-int(kept), n_c, edges_c)
+    guess = abs(int(kept)/vertex_unit)
+    edge_a = usable(mod(int(kept), vertex_unit), n_a, edges_a)
+    edge_c = usable(-mod(int(kept), vertex_unit), n_c, edges_c)
     low_c = edge_c
     low_a = 0
     if (present(clearance)) clearance = -huge(clearance)
     is_proven = .false.
     if (edge_a > 0) then
-      call measure_kept(n_a, vertices_a, edges_a, edge_a, n_c, vertices_c, edges_c, -offset_a, slack, reach, .true., &
+      call measure_kept(n_a, vertices_a, edges_a, edge_a, n_c, vertices_c, edges_c, -offset_a, guess, slack, reach, .true., &
                         low_c, height, is_proven)
-      floor = height - slack
+      kept = key_of(edge_a, low_c)
     else if (edge_c > 0) then
-      call measure_kept(n_c, vertices_c, edges_c, edge_c, n_a, vertices_a, edges_a, offset_a, slack, reach, .false., &
+      call measure_kept(n_c, vertices_c, edges_c, edge_c, n_a, vertices_a, edges_a, offset_a, guess, slack, reach, .false., &
                         low_a, height, is_proven)
-      floor = height - slack
+      kept = -key_of(edge_c, low_a)
     end if
+    if (max(edge_a, edge_c) > 0) floor = height - slack
     if (is_proven .or. floor >= reach) then
       if (max(floor, height) >= reach) then
         if (present(clearance)) clearance = height - sure_slack()
@@ -106,13 +113,13 @@ contains
     end if
     call find_face(n_a, vertices_a, edges_a, n_c, vertices_c, -offset_a, reach, low_c, floor, face_a)
     if (face_a%height >= reach) then
-      kept = int(face_a%edge, i4)
+      kept = key_of(face_a%edge, face_a%lowest)
       if (present(clearance)) clearance = face_a%height - sure_slack()
       return
     end if
     floor = max(floor, face_a%height - slack)
     call find_face(n_c, vertices_c, edges_c, n_a, vertices_a, offset_a, reach, max(low_a, face_a%edge), floor, face_c)
-    kept = int(merge(-face_c%edge, face_a%edge, face_c%height > face_a%height), i4)
+    kept = merge(-key_of(face_c%edge, face_c%lowest), key_of(face_a%edge, face_a%lowest), face_c%height > face_a%height)
     if (present(clearance) .and. face_c%height >= reach) clearance = face_c%height - sure_slack()
     if (face_c%height >= reach .or. max(face_a%edge, face_c%edge) == 0) return
     ! Of two faces as good, always the antagonist's: the normal of resting bricks must not depend on rounding.
@@ -132,8 +139,8 @@ contains
   end subroutine touch_convex
 
   !> Measure the face kept, and prove it best where that takes no search.
-  pure subroutine measure_kept(n_r, reference, edges_r, edge, n_i, incident, edges_i, shift, slack, reach, comes_first, low, &
-                               height, is_proven)
+  pure subroutine measure_kept(n_r, reference, edges_r, edge, n_i, incident, edges_i, shift, guess, slack, reach, comes_first, &
+                               low, height, is_proven)
     integer, intent(in) :: n_r !! vertices of the polygon that has the face
     real(wp), intent(in) :: reference(2, n_r) !! its vertices [m]
     real(wp), intent(in) :: edges_r(3, n_r) !! normals and lengths of its edges [m]
@@ -142,6 +149,7 @@ contains
     real(wp), intent(in) :: incident(2, n_i) !! its vertices [m]
     real(wp), intent(in) :: edges_i(3, n_i) !! normals and lengths of its edges [m]
     real(wp), intent(in) :: shift(2) !! added to its vertices [m]
+    integer, intent(in) :: guess !! vertex of the other that was lowest over the face; any number where none is known
     real(wp), intent(in) :: slack !! heights that differ by less are as good [m]
     real(wp), intent(in) :: reach !! height from which a face ends the search, and no proof is needed [m]
     logical, intent(in) :: comes_first !! are faces of this polygon preferred to those of the other?
@@ -151,7 +159,8 @@ contains
     real(wp) :: start(2), inside
 
     start = reference(:, edge) - shift
-    call find_lowest(n_i, incident, edges_r(1:2, edge), start, -huge(height), low, height)
+    call check_lowest(n_i, incident, edges_r(1:2, edge), start, guess, slack, low, height)
+    if (low == 0) call find_lowest(n_i, incident, edges_r(1:2, edge), start, -huge(height), low, height)
     is_proven = height - slack < reach
     if (is_proven) call prove_face(n_r, reference, edges_r, edge, incident(:, low) - start, height, slack, inside, is_proven)
     if (comes_first .or. .not. is_proven) return
@@ -203,6 +212,39 @@ contains
     if (kept < 1 .or. kept > n) return
     if (edges(3, kept) > tiny(edges)) edge = kept
   end function usable
+
+  !> Key by which a face is kept: its edge and the vertex that is lowest over it, or the edge alone where there are too many.
+  pure integer(i4) function key_of(edge, lowest) result(key)
+    integer, intent(in) :: edge !! the face, 0 for none
+    integer, intent(in) :: lowest !! vertex of the other polygon
+
+    key = int(edge, i4)
+    if (max(edge, lowest) < vertex_unit/2) key = key + int(vertex_unit*lowest, i4)
+  end function key_of
+
+  !> Is a vertex still the lowest over a face? Where the next ones are clearly higher; of a convex polygon all others are then.
+  pure subroutine check_lowest(n, vertices, normal, start, guess, slack, lowest, height)
+    integer, intent(in) :: n !! vertices
+    real(wp), intent(in) :: vertices(2, n) !! [m]
+    real(wp), intent(in) :: normal(2) !! outward unit normal of the face
+    real(wp), intent(in) :: start(2) !! a point of the face [m]
+    integer, intent(in) :: guess !! the vertex, or any number
+    real(wp), intent(in) :: slack !! heights that differ by less are as good [m]
+    integer, intent(out) :: lowest !! the vertex if it is, 0 where that is not known
+    real(wp), intent(out) :: height !! its height [m]
+
+    lowest = 0
+    height = 0
+    if (guess < 1 .or. guess > n) return
+    height = height_of(guess)
+    if (min(height_of(merge(n, guess - 1, guess == 1)), height_of(next(guess, n))) > height + slack) lowest = guess
+  contains
+    pure real(wp) function height_of(j)
+      integer, intent(in) :: j
+
+      height_of = normal(1)*(vertices(1, j) - start(1)) + normal(2)*(vertices(2, j) - start(2))
+    end function height_of
+  end subroutine check_lowest
 
   !> Find the lowest vertex over a face; stop at one that is no higher than a bar.
   pure subroutine find_lowest(n, vertices, normal, start, bar, lowest, lowest_height)

@@ -7,6 +7,7 @@ program test_touch_random
   use sg_kinds, only: wp, i4, pi
   use sg_random, only: random_t
   use sg_touch, only: touch_t
+  use sg_touch_convex, only: vertex_unit
   use sg_touch_disk_polygon, only: touch_disk_polygon
   implicit none
   real(wp), parameter :: tight = 1e-13_wp, zero(2) = [0.0_wp, 0.0_wp]
@@ -56,8 +57,8 @@ contains
     call t%check(found > 500, 'many pairs are near enough')
   end subroutine test_symmetry
 
-  !> Whatever face is kept of a pair, the right one, a wrong one or none of its faces, the points are the same bit for bit; the face
-  !! found is kept; and mirrored pairs have mirrored contacts.
+  !> Whatever face is kept of a pair, the right one, a wrong one or none of its faces, with any vertex, the points are the same bit
+  !! for bit; the face found is kept; and mirrored pairs have mirrored contacts.
   subroutine test_kept()
     type(random_t) :: random
     type(touch_t) :: touch, other
@@ -84,7 +85,7 @@ contains
       other = touching(c, a, alert, again)
       if (touch%n > 0 .and. again /= found) moved_on = moved_on + 1
       do kept = int(-size(c, 2) - 2, i4), int(size(a, 2) + 2, i4)
-        again = kept
+        again = kept + sign(vertex_unit*modulo(int(i, i4) + abs(kept), 10_i4), kept)
         other = touching(c, a, alert, again)
         if (.not. is_same(touch, other)) different = different + 1
       end do
