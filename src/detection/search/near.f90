@@ -108,7 +108,9 @@ contains
       half_length = contactors%segment_size(1, row)
       along = max(0.0_wp, abs(dot_product(apart(:2), axis)) - half_length)
       across = apart(1)*axis(2) - apart(2)*axis(1)
-      near_segment = hypot(along, across) - contactors%segment_size(2, row) - reach < distance
+      ! The distance to its line decides for most.
+      near_segment = abs(across) - contactors%segment_size(2, row) - reach < distance
+      if (near_segment) near_segment = hypot(along, across) - contactors%segment_size(2, row) - reach < distance
     end associate
   end function near_segment
 

@@ -32,6 +32,9 @@ module sg_pair_search
     !! sphere about it; and how much farther apart than these two may be sought [m]
     real(wp), allocatable :: radius(:)
     real(wp) :: margin = 0
+    !> Does a contactor bound others? Of two that do not, do squares of these radii decide, where rounding may add a pair?
+    logical, allocatable :: bounds(:)
+    logical :: squares_decide = .false.
     !> Periods, whether there are any, and what distances may lose where places are brought back into them [m]
     real(wp) :: period(3) = 0, slack = 0
     logical :: is_periodic = .false.
@@ -79,10 +82,12 @@ contains
     call place_search(search, pairs, scene, reach)
     search%radius = (1 + 64*epsilon(1.0_wp))*reach
     allocate (search%class(size(search%contactor)))
+    search%bounds = is_bounding(scene%contactors%kind(search%contactor))
     do i = 1, size(search%contactor)
       search%class(i) = int(class_of(scene%contactors, int(search%contactor(i))), i4)
-      if (is_bounding(scene%contactors%kind(search%contactor(i)))) search%radius(i) = 1e100_wp
+      if (search%bounds(i)) search%radius(i) = 1e100_wp
     end do
+    search%squares_decide = .not. (pairs%without_alert .or. search%margin > 0 .or. scene%cell%is_on)
     call build_cells(search%cells, search%centre, reach, search%margin, search%period)
     allocate (search%around(n_places, search%cells%n_levels))
   end subroutine begin_search
@@ -221,9 +226,11 @@ contains
       if (allocated(scene%bodies%owner)) then
         if (contact_owner(scene%bodies%owner([contactors%body(i), contactors%body(j)])) /= pairs%rank) return
       end if
-      margin = pairs%margin(contactors%body(i)) + pairs%margin(contactors%body(j))
-      if (.not. (pairs%without_alert .or. follows_motion(scene%sees(see)))) margin = margin + scene%sees(see)%alert
-      if (.not. is_near(contactors, i, j, image_shift(scene, image), search%period, margin)) return
+      if (.not. search%squares_decide .or. search%bounds(one) .or. search%bounds(other)) then
+        margin = pairs%margin(contactors%body(i)) + pairs%margin(contactors%body(j))
+        if (.not. (pairs%without_alert .or. follows_motion(scene%sees(see)))) margin = margin + scene%sees(see)%alert
+        if (.not. is_near(contactors, i, j, image_shift(scene, image), search%period, margin)) return
+      end if
       if (candidate_first(contactors, int(i), int(j))) then
         ends = [i, j]
         call add_pair(pairs, scene%dimension, scene%cell%is_on, ends, image, int(see))
