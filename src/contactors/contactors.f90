@@ -63,10 +63,10 @@ module sg_contactors
     integer(i4), allocatable :: polygon_first(:)
     !> Polygons: vertices about the contactor's centre in the body's frame [m], counter-clockwise, shape (2, vertex)
     real(wp), allocatable :: polygon_vertex(:, :)
-    !> Polygons: outward unit normal and length [m] of the edge from each vertex to the next, shape (3, vertex)
-    real(wp), allocatable :: polygon_side(:, :)
-    !> Polygons: the same vertices and edges in the detection configuration [m]
-    real(wp), allocatable :: polygon_world(:, :), polygon_edge(:, :)
+    !> Polygons: the same vertices in the detection configuration [m], shape (2, vertex)
+    real(wp), allocatable :: polygon_world(:, :)
+    !> Polygons: outward unit normal and length [m] of the edge from each vertex to the next, there too, shape (3, vertex)
+    real(wp), allocatable :: polygon_edge(:, :)
     !> Polygons: cosine and sine of their turn there, shape (2, row)
     real(wp), allocatable :: polygon_turn(:, :)
     !> Polygons: path length so far (sg_path_bound) [m], shape (row)
@@ -112,7 +112,6 @@ contains
       call visitor%visit(field_t('polygon_placed', sync_never), self%polygon_placed)
     case (table_vertices)
       call visitor%visit(field_t('polygon_vertex', sync_on_copy, 2), self%polygon_vertex)
-      call visitor%visit(field_t('polygon_side', sync_never, 3), self%polygon_side)
       call visitor%visit(field_t('polygon_world', sync_never, 2), self%polygon_world)
       call visitor%visit(field_t('polygon_edge', sync_never, 3), self%polygon_edge)
     case default
@@ -196,7 +195,6 @@ contains
     contactors%polygon_first(row + 1) = first + n
     call reserve_rows(contactors, table_vertices, first + n - 1)
     contactors%polygon_vertex(:, first:first + n - 1) = vertices
-    call edges_of(n, vertices, contactors%polygon_side(:, first:first + n - 1))
   end subroutine add_polygon
 
   !> Add a point, of the plane or of space.
@@ -365,14 +363,12 @@ contains
     sine = contactors%polygon_turn(2, row)
     ! Component by component: vectors of two go through memory that loads then wait for.
     do v = first, last
-      associate (corner => contactors%polygon_vertex(:, v), side => contactors%polygon_side(:, v))
+      associate (corner => contactors%polygon_vertex(:, v))
         contactors%polygon_world(1, v) = centre(1) + (cosine*corner(1) - sine*corner(2))
         contactors%polygon_world(2, v) = centre(2) + (sine*corner(1) + cosine*corner(2))
-        contactors%polygon_edge(1, v) = cosine*side(1) - sine*side(2)
-        contactors%polygon_edge(2, v) = sine*side(1) + cosine*side(2)
-        contactors%polygon_edge(3, v) = side(3)
       end associate
     end do
+    call edges_of(last - first + 1, contactors%polygon_world(:, first:last), contactors%polygon_edge(:, first:last))
   end subroutine place_polygon
 
   !> Outward unit normals and lengths of the edges of a polygon; an edge without length has no normal.

@@ -3,7 +3,7 @@
 !! A record is its length, number in the whole scene and kind; the fields of all contactors that are sent, then those of the kind
 !! (lists of fields in sg_contactors and sg_space_shapes); of a polygon its vertices, of a polyhedron its tables.
 module sg_pack_shapes
-  use sg_contactors, only: contactors_t, edges_of, kind_polygon, kind_polyhedron, make_rows, n_kinds, table_all, table_vertices
+  use sg_contactors, only: contactors_t, kind_polygon, kind_polyhedron, make_rows, n_kinds, table_all, table_vertices
   use sg_field_visitor, only: sync_on_copy
   use sg_kinds, only: wp, i4
   use sg_parcels, only: parcel_t
@@ -183,7 +183,6 @@ contains
     associate (first => contactors%polygon_first(row))
       contactors%polygon_first(row + 1) = int(first + n, i4)
       call parcel%take(contactors%polygon_vertex(:, first:first + n - 1))
-      call edges_of(n, contactors%polygon_vertex(:, first:first + n - 1), contactors%polygon_side(:, first:first + n - 1))
     end associate
   end subroutine unpack_vertices
 
