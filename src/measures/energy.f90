@@ -79,7 +79,7 @@ contains
       self%friction_loss = elastic(2)
     end if
     if (any(abs(scene%gravity - self%gravity_for(scene)) > 0)) call self%change_gravity(scene, self%gravity_for(scene))
-    self%gravity = scene%gravity
+    call keep_gravity(self, scene%gravity)
     call find_mean(size(mean), scene%bodies%velocity, scene%bodies%free_velocity, mean)
     work = contact_work(scene, contacts, h, mean, radius)
     self%impact_loss = self%impact_loss - work(1)
@@ -101,8 +101,17 @@ contains
     real(wp), intent(in) :: former(3) !! gravity before [m/s2]
 
     self%potential_start = self%potential_start + (potential_energy(scene) - potential_energy(scene, former))
-    self%gravity = scene%gravity
+    call keep_gravity(self, scene%gravity)
   end subroutine energy_change_gravity
+
+  !> Keep the gravity of a step. Allocated before: an assignment would compute with the bounds of what is not there.
+  pure subroutine keep_gravity(self, gravity)
+    class(energy_t), intent(inout) :: self
+    real(wp), intent(in) :: gravity(3)
+
+    if (.not. allocated(self%gravity)) allocate (self%gravity(3))
+    self%gravity(:) = gravity
+  end subroutine keep_gravity
 
   !> Gravity under which the potential energy is measured [m/s2]: that of the last step counted, else that of the scene.
   pure function energy_gravity_for(self, scene) result(gravity)
