@@ -36,7 +36,7 @@ contains
 
     are_plain = scene%dimension == 2 .and. .not. scene%cell%is_on .and. contacts%n_kept == n_kept_in_plane &
                 .and. contacts%n_internal == 0 .and. contacts%n_carried == 0 .and. allocated(history%kept) &
-                .and. history%n_pairs > 0 .and. .not. (history%by_point .or. history%is_start .or. scene%shrink > 0)
+                .and. history%n_pairs > 0 .and. .not. history%by_point
     if (are_plain) are_plain = size(history%kept, 1) == n_kept_in_plane .and. scene%contactors%n_rows(kind_polygon) > 0
   end function are_plain_polygons
 
@@ -51,14 +51,14 @@ contains
   end function are_mostly_kept
 
   !> Add the contacts of pairs of polygons, from pair to pair until one comes that goes the general way.
-  subroutine touch_polygons(scene, pairs, history, near, longest, law_of, corners_wait, last, contacts, first, p, alert, is_near)
+  subroutine touch_polygons(scene, pairs, history, near, longest, law_of, measures, last, contacts, first, p, alert, is_near)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
     type(history_t), intent(inout) :: history !! contacts of the last detection; faces and clearances of the pairs are set
     real(wp), intent(in), contiguous :: near(:) !! alert distance of each line of the see tables [m]
     real(wp), intent(in), contiguous :: longest(:) !! longest one of each line [m]
     integer, intent(in), contiguous :: law_of(:) !! law of each line
-    logical, intent(in) :: corners_wait !! are corners not placed yet? Pairs that need them go the general way then
+    logical, intent(in) :: measures !! are pairs measured whose contacts are not kept? Else they go the general way
     integer, intent(in) :: last !! last pair of the run
     type(contacts_t), intent(inout) :: contacts !! contacts of the step so far
     integer(i4), intent(inout) :: first(:) !! first contact of each pair
@@ -73,7 +73,7 @@ contains
     alert = 0
     is_near = .false.
     associate (shapes => scene%contactors, bodies => scene%bodies)
-      call go_on(last, scene%period, scene%kept_motion, pairs, near, longest, law_of, corners_wait, pairs%contactor, pairs%see, &
+      call go_on(last, scene%period, scene%kept_motion, pairs, near, longest, law_of, measures, pairs%contactor, pairs%see, &
                  pairs%image, history%face, history%clearance, history%is_matched, history%past, history%first, history%kept, &
                  history%feature, history%impulse, history%status, shapes%kind, shapes%row, shapes%body, shapes%reach, &
                  shapes%centre, shapes%polygon_turn, shapes%polygon_path, shapes%polygon_first, shapes%polygon_world, &
@@ -88,13 +88,13 @@ contains
   end subroutine touch_polygons
 
   !> The same on plain arrays. Pairs that are slow enough for their contacts to be kept are listed, with these.
-  pure subroutine go_on(last, period, kept_motion, pairs, near, longest, law_of, corners_wait, pair, see, image, face, clearance, &
+  pure subroutine go_on(last, period, kept_motion, pairs, near, longest, law_of, measures, pair, see, image, face, clearance, &
                         is_matched, past, first_before, kept_before, feature_before, impulse_before, status_before, kind, row, &
                         body_of, reach, centre, turn, path_of, vertex, world, edge, position, middle, n_components, room, &
                         contactor, body, image_of, law, feature, normal, point, gap, impulse, status, kept, n, first, p, alert, &
                         is_near, slow, slow_alert, n_slow)
     type(neighbours_t), intent(in) :: pairs
-    logical, intent(in) :: corners_wait, is_matched
+    logical, intent(in) :: measures, is_matched
     integer, intent(in) :: last, law_of(*), n_components, room
     integer(i4), intent(in) :: pair(2, *), see(*), past(*), first_before(*), feature_before(*), kind(*), row(*), body_of(*), &
                                vertex(*)
@@ -139,7 +139,7 @@ contains
                   x, y, centre(1, a), shift, touch, before, to, is_kept)
       if (.not. is_kept) then
         is_near = .true.
-        if (corners_wait) return
+        if (.not. measures) return
         associate (own => vertex(row(c)), other => vertex(row(a)))
           call touch_polygon_polygon(int(vertex(row(c) + 1) - own), world(1, own), edge(1, own), int(vertex(row(a) + 1) - other), &
                                      world(1, other), edge(1, other), 2*max(reach(c), reach(a)), shift, alert + length, face(p), &

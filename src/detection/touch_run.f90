@@ -14,7 +14,7 @@ module sg_touch_run
   use sg_neighbour_list, only: neighbours_t, offset_of
   use sg_pair_alert, only: alert_of_pair
   use sg_placed_corners, only: place_corners_once
-  use sg_polygon_pairs, only: are_plain_polygons, most_points, touch_polygons
+  use sg_polygon_pairs, only: are_mostly_kept, are_plain_polygons, most_points, touch_polygons
   use sg_round_pairs, only: are_plain_rounds, touch_rounds
   use sg_scene, only: scene_t
   use sg_shape_kinds, only: is_bounding
@@ -32,8 +32,8 @@ module sg_touch_run
   type :: runs_t
     !> Do pairs of polygons go through `touch_polygons`, and those of disks or spheres through `touch_rounds`?
     logical :: has_polygons = .false., has_rounds = .false.
-    !> Do corners of polygons wait until a pair needs them?
-    logical :: corners_wait = .false.
+    !> Are pairs of polygons measured there? Not where their corners wait, nor where points are moved afterwards
+    logical :: measures = .false.
     !> Of each line of the see tables: alert distance and longest one [m], and law
     real(wp), allocatable :: near(:), longest(:)
     integer, allocatable :: law(:)
@@ -50,8 +50,10 @@ contains
     logical, intent(in) :: corners_wait !! do corners of polygons wait until a pair needs them?
     type(runs_t), intent(out) :: runs !! what they share
 
-    runs%corners_wait = corners_wait
+    runs%measures = .not. (corners_wait .or. scene%shrink > 0 .or. history%is_start)
     runs%has_polygons = are_plain_polygons(scene, history, contacts)
+    ! To leave the loop for most pairs costs more than it saves.
+    if (runs%has_polygons .and. .not. runs%measures) runs%has_polygons = are_mostly_kept(history)
     runs%has_rounds = are_plain_rounds(scene, history, contacts)
     ! Allocated before: an assignment would compute with the bounds of what is not there.
     associate (n => size(scene%sees))
@@ -90,7 +92,7 @@ contains
         if (contacts%is_cut) exit
         if (runs%has_rounds) call touch_rounds(scene, pairs, history, runs%near, runs%law, last, contacts, first, next)
         if (runs%has_polygons .and. next <= last) &
-          call touch_polygons(scene, pairs, history, runs%near, runs%longest, runs%law, runs%corners_wait, last, contacts, first, &
+          call touch_polygons(scene, pairs, history, runs%near, runs%longest, runs%law, runs%measures, last, contacts, first, &
                               next, alert, is_near)
         if (next > last .or. contacts%n + most_points > size(contacts%gap)) cycle
         last = next
