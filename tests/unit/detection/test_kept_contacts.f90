@@ -11,7 +11,7 @@ program test_kept_contacts
   use sg_error, only: error_t
   use sg_history, only: exchange_kept, keep_contacts
   use sg_kinds, only: wp, pi
-  use sg_polygon_pairs, only: are_plain_polygons
+  use sg_polygon_pairs, only: are_mostly_kept, are_plain_polygons
   use sg_random, only: random_t
   use sg_rotations, only: quaternion_product, rotation_by, turned_by
   use sg_simulation, only: decompose, simulation_t
@@ -104,7 +104,9 @@ contains
     call copy(sim, next)
     call keep_contacts(next%history, next%contacts)
     call exchange_kept(next%history, next%contacts)
-    followed_now = merge(1, 0, are_plain_polygons(next%scene, next%history, next%contacts))
+    followed_now = 0
+    if (.not. are_plain_polygons(next%scene, next%history, next%contacts)) return
+    if (are_mostly_kept(next%history)) followed_now = 1
   end function followed_now
 
   !> Contacts of a pair that a loop over plain arrays follows are those of the general way, which contacts go that carry values.

@@ -68,11 +68,6 @@ contains
       call detect(general%scene, general%pairs, general%history, general%contacts)
       call compare(name, looped%contacts, general%contacts)
     end do
-    if (dimension == 2 .and. share_round < 1) then
-      associate (kept => looped%contacts%kept(1, :looped%contacts%n))
-        call t%check(any(kept > 0) .and. any(.not. kept > 0), name//': some contacts are kept, others are not')
-      end associate
-    end if
   end subroutine test_flow
 
   !> A box full of disks or spheres and polygons, between walls that are not round.
