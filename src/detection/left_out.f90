@@ -41,6 +41,7 @@ contains
     logical, allocatable :: is_thrown(:)
     real(wp), allocatable :: motion(:, :)
     real(wp) :: way, least
+    integer(i4) :: c, a
     integer :: p
 
     has_left_out = .false.
@@ -52,14 +53,18 @@ contains
     call find_thrown(pairs, motion, (1 - 1/times)/2*least, is_thrown)
     if (.not. any(is_thrown)) return
     do p = 1, pairs%n_near
-      associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors, &
-                 first => history%first(p), last => history%first(p + 1) - 1)
-        if (.not. (is_thrown(c) .or. is_thrown(a))) cycle
-        way = min(closing_way(motion, c, a), pairs%alert(pairs%see(p)))
-        if (way <= alert_of_pair(pairs, p)) cycle
+      c = pairs%contactor(1, p)
+      a = pairs%contactor(2, p)
+      if (.not. (is_thrown(c) .or. is_thrown(a))) cycle
+      way = closing_way(motion, c, a)
+      ! As far as this all were looked at.
+      if (way <= pairs%least(pairs%see(p))) cycle
+      way = min(way, pairs%alert(pairs%see(p)))
+      if (way <= alert_of_pair(pairs, p)) cycle
+      associate (first => history%first(p), last => history%first(p + 1) - 1, body => scene%contactors%body)
         if (last < first .and. are_clear(scene, pairs, history, p, way)) cycle
-        has_left_out = closes_another(scene, pairs, history, p, way, velocity(:, slot_of(contactors%body(c))), &
-                                      velocity(:, slot_of(contactors%body(a))), turns, contacts%feature(first:last))
+        has_left_out = closes_another(scene, pairs, history, p, way, velocity(:, slot_of(body(c))), velocity(:, slot_of(body(a))), &
+                                      turns, contacts%feature(first:last))
       end associate
       if (has_left_out) return
     end do

@@ -8,7 +8,8 @@ module sg_pair_alert
   use sg_sees, only: follows_motion
   implicit none
   private
-  public :: alert_of_pair, closing_way, find_free_motion, find_motion, least_reduced, reduce_alerts, times
+  public :: alert_between, alert_of_pair, closing_way, find_free_motion, find_motion, least_reduced, reduce_alerts, &
+            times
 
   !> Least reduced alert distance as shares of the least one of a line and of the way of the fastest shapes
   real(wp), parameter :: least_share = 0.1_wp, share_of_fastest = 0.02_wp
@@ -60,20 +61,45 @@ contains
     alert = pairs%alert(pairs%see(p))
     if (.not. pairs%is_reduced) return
     if (pairs%is_by_pair) then
-      alert = min(alert, max(pairs%least(pairs%see(p)), closing_way(pairs%motion, pairs%contactor(1, p), pairs%contactor(2, p))))
+      alert = alert_between(pairs%contactor(1, p), pairs%contactor(2, p), size(pairs%motion, 1), pairs%motion, &
+                            pairs%least(pairs%see(p)), alert)
     else
       alert = min(alert, pairs%least(pairs%see(p)))
     end if
   end function alert_of_pair
+
+  !> The same of two shapes: as far as they come nearer to each other, between two bounds. Squares decide where it is the first.
+  pure real(wp) function alert_between(c, a, n, motion, least, alert)
+    integer(i4), intent(in) :: c, a !! the two
+    integer, intent(in) :: n !! values of a motion, one more than dimensions of space
+    real(wp), intent(in) :: motion(n, *) !! of all shapes (`find_motion`)
+    real(wp), intent(in) :: least, alert !! bounds [m]
+    real(wp) :: square, turning
+
+    alert_between = min(alert, least)
+    square = square_between(c, a, n, motion)
+    turning = motion(n, c) + motion(n, a)
+    if (turning > alert_between .or. square > (alert_between - turning)**2) alert_between = min(alert, sqrt(square) + turning)
+  end function alert_between
+
+  !> Square of the way of two bodies against each other [m2].
+  pure real(wp) function square_between(c, a, n, motion) result(square)
+    integer(i4), intent(in) :: c, a
+    integer, intent(in) :: n
+    real(wp), intent(in) :: motion(n, *)
+
+    square = (motion(1, c) - motion(1, a))**2 + (motion(2, c) - motion(2, a))**2
+    if (n == 4) square = square + (motion(3, c) - motion(3, a))**2
+  end function square_between
 
   !> How much nearer two shapes come to each other by their motion [m], at most.
   pure real(wp) function closing_way(motion, c, a) result(way)
     real(wp), intent(in), contiguous :: motion(:, :) !! of all shapes (`find_motion`)
     integer(i4), intent(in) :: c, a !! the two
 
-    way = (motion(1, c) - motion(1, a))**2 + (motion(2, c) - motion(2, a))**2
-    if (size(motion, 1) == 4) way = way + (motion(3, c) - motion(3, a))**2
-    way = sqrt(way) + motion(size(motion, 1), c) + motion(size(motion, 1), a)
+    associate (n => size(motion, 1))
+      way = sqrt(square_between(c, a, n, motion)) + (motion(n, c) + motion(n, a))
+    end associate
   end function closing_way
 
   !> Motion of all shapes with velocities of their bodies [m]: the way of the body, and how far its turn moves a point of the shape

@@ -12,7 +12,7 @@ module sg_polygon_pairs
                               way_between
   use sg_kinds, only: wp, i1, i4
   use sg_neighbour_list, only: neighbours_t
-  use sg_pair_alert, only: alert_of_pair
+  use sg_pair_alert, only: alert_between
   use sg_path_bound, only: is_clear
   use sg_plain_past, only: find_named, find_past, put_names, recall_impulse
   use sg_scene, only: scene_t
@@ -129,7 +129,7 @@ contains
       first(p) = int(n, i4) + 1
       if (square > (reach(c) + reach(a) + length + alert)**2) cycle
       if (pairs%is_reduced .and. pairs%is_by_pair) then
-        alert = alert_of_pair(pairs, p)
+        alert = alert_between(c, a, 3, pairs%motion, pairs%least(see(p)), alert)
         if (square > (reach(c) + reach(a) + length + alert)**2) cycle
       end if
       path = path_of(row(c)) + path_of(row(a))
