@@ -46,7 +46,7 @@ contains
     if (any(past(:n) == 0)) call take_over(scene, pairs, history, p, point, past(:n))
     do i = 1, n
       call add_contact(scene, pairs, history, p, past(i), law, normal(:, i), point(:, i), gap(i), feature(i), contacts)
-      if (contacts%n_kept > 0) contacts%kept(:, contacts%n) = 0
+      if (contacts%n_kept > 0) contacts%is_kept(contacts%n) = 0_i1
     end do
   end subroutine add_contacts
 
@@ -178,7 +178,7 @@ contains
     first = history%first(before)
     last = history%first(before + 1) - 1
     if (last < first .or. size(history%kept, 1) /= contacts%n_kept) return
-    if (.not. history%kept(1, first) > 0) return
+    if (history%is_kept(first) == 0_i1) return
     if (alert > history%kept(contacts%n_kept, first)) return
     offset = offset_of(scene, pairs, p)
     associate (c => pairs%contactor(1, p), a => pairs%contactor(2, p), contactors => scene%contactors)
@@ -227,6 +227,7 @@ contains
           contacts%kept(:n_kept_in_space, contacts%n) = history%kept(:n_kept_in_space, past)
         end if
         contacts%kept(contacts%n_kept, contacts%n) = reach
+        contacts%is_kept(contacts%n) = 1_i1
       end do
     end associate
   end subroutine follow_pair
@@ -258,6 +259,7 @@ contains
           else
             call keep_in_space(contactors, a, offset, turn_of(scene, a), face, pose, normal, point, gap, alert, kept)
           end if
+          contacts%is_kept(k) = 1_i1
         end associate
       end do
     end associate

@@ -62,7 +62,9 @@ module sg_contacts
     real(wp), allocatable :: internal(:, :)
     !> Values that the solver's method carries, shape (n_carried, n)
     real(wp), allocatable :: carried(:, :)
-    !> What detection keeps of the contact and its pair, shape (n_kept, n)
+    !> Does detection keep something of the contact and its pair (1), or nothing (0)? What it keeps, which counts only then, shape
+    !! (n_kept, n)
+    integer(i1), allocatable :: is_kept(:)
     real(wp), allocatable :: kept(:, :)
     !> Memory that detection may grow in, and did it end early because there was none? Contacts found before
     type(memory_t) :: memory
@@ -96,6 +98,8 @@ contains
     call visitor%visit(field_t('internal', sync_on_owner, self%n_internal, in_files=.true.), self%internal)
     call visitor%visit(field_t('carried', sync_on_owner, self%n_carried, self%n_carried > 0, .true., is_optional=.true.), &
                        self%carried)
+    call visitor%visit(field_t('is_kept', sync_on_owner, is_there=self%n_kept > 0, in_files=.true., is_optional=.true.), &
+                       self%is_kept)
     call visitor%visit(field_t('kept', sync_on_owner, self%n_kept, self%n_kept > 0, .true., is_optional=.true.), self%kept)
   end subroutine contacts_visit
 
@@ -142,6 +146,7 @@ contains
       call copy_bytes(n, from%status, to%status(a))
       if (from%n_internal > 0) call copy_reals(from%n_internal*n, from%internal, to%internal(1, a))
       if (from%n_carried > 0) call copy_reals(from%n_carried*n, from%carried, to%carried(1, a))
+      if (from%n_kept > 0) call copy_bytes(n, from%is_kept, to%is_kept(a))
       if (from%n_kept > 0) call copy_reals(from%n_kept*n, from%kept, to%kept(1, a))
     end associate
   end subroutine copy_run

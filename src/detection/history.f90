@@ -39,7 +39,8 @@ module sg_history
     real(wp), allocatable :: internal(:, :)
     !> Values of each contact that the solver's method carries, shape (n_carried, contacts)
     real(wp), allocatable :: carried(:, :)
-    !> What detection keeps of each contact (sg_kept_contacts), shape (n_kept, contacts)
+    !> Does detection keep something of each contact (sg_kept_contacts)? What it keeps, shape (n_kept, contacts)
+    integer(i1), allocatable :: is_kept(:)
     real(wp), allocatable :: kept(:, :)
     !> Past pair of each present one, 0 where there is none; unused while the list of neighbours stays
     integer(i4), allocatable :: past(:)
@@ -166,8 +167,11 @@ contains
     ! Pairs and contactors may be others now.
     if (allocated(history%face)) deallocate (history%face, history%clearance)
     call keep_contacts(history, contacts)
-    if (allocated(history%kept)) deallocate (history%kept)
-    if (contacts%n_kept > 0) history%kept = contacts%kept(:, :contacts%n)
+    if (allocated(history%kept)) deallocate (history%is_kept, history%kept)
+    if (contacts%n_kept > 0) then
+      history%is_kept = contacts%is_kept(:contacts%n)
+      history%kept = contacts%kept(:, :contacts%n)
+    end if
     call reserve(history%first, contacts%n + 1)
     call reserve(history%contactor, 2, contacts%n)
     if (allocated(history%image)) deallocate (history%image)
@@ -214,15 +218,22 @@ contains
     type(history_t), intent(inout) :: history !! past to fill
     type(contacts_t), intent(inout) :: contacts !! contacts of the last detection; what is kept of them must be set again
     real(wp), allocatable :: spare(:, :)
+    integer(i1), allocatable :: flags(:)
 
     if (contacts%n_kept == 0 .or. .not. allocated(contacts%kept)) return
     call move_alloc(history%kept, spare)
+    call move_alloc(history%is_kept, flags)
     call move_alloc(contacts%kept, history%kept)
+    call move_alloc(contacts%is_kept, history%is_kept)
     if (allocated(spare)) then
-      if (any(shape(spare) /= shape(history%kept))) deallocate (spare)
+      if (any(shape(spare) /= shape(history%kept))) deallocate (spare, flags)
     end if
-    if (.not. allocated(spare)) allocate (spare(size(history%kept, 1), size(history%kept, 2)), source=0.0_wp)
+    if (.not. allocated(spare)) then
+      allocate (spare(size(history%kept, 1), size(history%kept, 2)), source=0.0_wp)
+      allocate (flags(size(history%kept, 2)), source=0_i1)
+    end if
     call move_alloc(spare, contacts%kept)
+    call move_alloc(flags, contacts%is_kept)
   end subroutine exchange_kept
 
   !> Note the pairs of the last detection, before their list is rebuilt.
@@ -399,16 +410,20 @@ contains
     if (size(history%carried, 1) == n) carried = history%carried(:, past)
   end function carried_of
 
-  !> What is kept of a contact of the past; nothing, all zeros, where nothing fits.
-  pure function kept_of(history, past, n) result(kept)
+  !> What is kept of a contact of the past; nothing where nothing fits.
+  pure subroutine recall_kept(history, past, is_kept, kept)
     type(history_t), intent(in) :: history
-    integer, intent(in) :: past, n
-    real(wp) :: kept(n)
+    integer, intent(in) :: past
+    integer(i1), intent(out) :: is_kept
+    real(wp), intent(out) :: kept(:)
 
+    is_kept = 0_i1
     kept = 0
     if (.not. allocated(history%kept)) return
-    if (size(history%kept, 1) == n .and. size(history%kept, 2) >= past) kept = history%kept(:, past)
-  end function kept_of
+    if (size(history%kept, 1) /= size(kept) .or. size(history%kept, 2) < past) return
+    is_kept = history%is_kept(past)
+    if (is_kept > 0_i1) kept = history%kept(:, past)
+  end subroutine recall_kept
 
   !> Bring the past back as contacts, when the step after it failed: what a restart needs of them.
   subroutine revive(history, pairs, contacts)
@@ -429,7 +444,7 @@ contains
         contacts%status(k) = history%status(k)
         if (contacts%n_internal > 0) contacts%internal(:, k) = history%internal(:, k)
         if (contacts%n_carried > 0) contacts%carried(:, k) = carried_of(history, k, contacts%n_carried)
-        if (contacts%n_kept > 0) contacts%kept(:, k) = kept_of(history, k, contacts%n_kept)
+        if (contacts%n_kept > 0) call recall_kept(history, k, contacts%is_kept(k), contacts%kept(:, k))
         contacts%image(k) = 0
         if (contacts%dimension == 3) contacts%image_y(k) = 0
         contacts%law(k) = 1

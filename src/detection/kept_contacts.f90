@@ -6,7 +6,7 @@
 !! due. The change counts from the detection, not from the last step, so that it does not add up. Each column of
 !! `contacts%kept` holds
 !!
-!!     body of the face (0 for none, else 1 + face_of_*) | pose of the candidate | normal | point | gap | reach
+!!     body of the face (1 + face_of_*) | pose of the candidate | normal | point | gap | reach
 !!                                                         place, turn
 !!
 !! where a turn is a cosine and a sine in the plane and a quaternion in space, and the reach is the alert distance up to which all

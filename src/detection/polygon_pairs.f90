@@ -47,7 +47,7 @@ contains
     integer :: n
 
     n = history%first(history%n_pairs + 1) - 1
-    are_mostly_kept = n > 0 .and. 4*count(history%kept(1, 1:n:every) > 0) >= 3*((n + every - 1)/every)
+    are_mostly_kept = n > 0 .and. 4*count(history%is_kept(1:n:every) > 0_i1) >= 3*((n + every - 1)/every)
   end function are_mostly_kept
 
   !> Add the contacts of pairs of polygons, from pair to pair until one comes that goes the general way.
@@ -74,13 +74,13 @@ contains
     is_near = .false.
     associate (shapes => scene%contactors, bodies => scene%bodies)
       call go_on(last, scene%period, scene%kept_motion, pairs, near, longest, law_of, measures, pairs%contactor, pairs%see, &
-                 pairs%image, history%face, history%clearance, history%is_matched, history%past, history%first, history%kept, &
-                 history%feature, history%impulse, history%status, shapes%kind, shapes%row, shapes%body, shapes%reach, &
-                 shapes%centre, shapes%polygon_turn, shapes%polygon_path, shapes%polygon_first, shapes%polygon_world, &
-                 shapes%polygon_edge, bodies%position, bodies%middle, contacts%n_components, size(contacts%gap), &
-                 contacts%contactor, contacts%body, contacts%image, contacts%law, contacts%feature, contacts%normal, &
-                 contacts%point, contacts%gap, contacts%impulse, contacts%status, contacts%kept, contacts%n, first, p, alert, &
-                 is_near, slow, slow_alert, n_slow)
+                 pairs%image, history%face, history%clearance, history%is_matched, history%past, history%first, &
+                 history%is_kept, history%kept, history%feature, history%impulse, history%status, shapes%kind, shapes%row, &
+                 shapes%body, shapes%reach, shapes%centre, shapes%polygon_turn, shapes%polygon_path, shapes%polygon_first, &
+                 shapes%polygon_world, shapes%polygon_edge, bodies%position, bodies%middle, contacts%n_components, &
+                 size(contacts%gap), contacts%contactor, contacts%body, contacts%image, contacts%law, contacts%feature, &
+                 contacts%normal, contacts%point, contacts%gap, contacts%impulse, contacts%status, contacts%is_kept, &
+                 contacts%kept, contacts%n, first, p, alert, is_near, slow, slow_alert, n_slow)
     end associate
     do i = 1, n_slow
       call keep_pair(scene, pairs, slow(1, i), slow_alert(i), slow(2, i), slow(3, i), contacts)
@@ -89,21 +89,21 @@ contains
 
   !> The same on plain arrays. Pairs that are slow enough for their contacts to be kept are listed, with these.
   pure subroutine go_on(last, period, kept_motion, pairs, near, longest, law_of, measures, pair, see, image, face, clearance, &
-                        is_matched, past, first_before, kept_before, feature_before, impulse_before, status_before, kind, row, &
-                        body_of, reach, centre, turn, path_of, vertex, world, edge, position, middle, n_components, room, &
-                        contactor, body, image_of, law, feature, normal, point, gap, impulse, status, kept, n, first, p, alert, &
-                        is_near, slow, slow_alert, n_slow)
+                        is_matched, past, first_before, is_kept_before, kept_before, feature_before, impulse_before, &
+                        status_before, kind, row, body_of, reach, centre, turn, path_of, vertex, world, edge, position, middle, &
+                        n_components, room, contactor, body, image_of, law, feature, normal, point, gap, impulse, status, &
+                        is_kept_now, kept, n, first, p, alert, is_near, slow, slow_alert, n_slow)
     type(neighbours_t), intent(in) :: pairs
     logical, intent(in) :: measures, is_matched
     integer, intent(in) :: last, law_of(*), n_components, room
     integer(i4), intent(in) :: pair(2, *), see(*), past(*), first_before(*), feature_before(*), kind(*), row(*), body_of(*), &
                                vertex(*)
-    integer(i1), intent(in) :: image(*), status_before(*)
+    integer(i1), intent(in) :: image(*), status_before(*), is_kept_before(*)
     real(wp), intent(in) :: period, kept_motion, near(*), longest(*), kept_before(n_kept_in_plane, *), path_of(*), position(2, *)
     real(wp), intent(in) :: impulse_before(n_components, *), reach(*), centre(2, *), turn(2, *), world(2, *), edge(3, *), &
                             middle(3, *)
     integer(i4), intent(inout) :: face(*), contactor(2, *), body(2, *), law(*), feature(*), first(*)
-    integer(i1), intent(inout) :: image_of(*), status(*)
+    integer(i1), intent(inout) :: image_of(*), status(*), is_kept_now(*)
     real(wp), intent(inout) :: clearance(*), normal(2, *), point(2, *), gap(*), impulse(n_components, *), kept(n_kept_in_plane, *)
     integer, intent(inout) :: n, p, slow(3, *), n_slow
     real(wp), intent(inout) :: alert, slow_alert(*)
@@ -135,8 +135,8 @@ contains
       path = path_of(row(c)) + path_of(row(a))
       if (is_clear(clearance(p), path, alert + length)) cycle
       call find_past(p, is_matched, past, first_before, from)
-      call follow(from, kept_before, feature_before, alert, longest(see(p)), length, reach(c), turn(1, row(c)), turn(1, row(a)), &
-                  x, y, centre(1, a), shift, touch, before, to, is_kept)
+      call follow(from, is_kept_before, kept_before, feature_before, alert, longest(see(p)), length, reach(c), turn(1, row(c)), &
+                  turn(1, row(a)), x, y, centre(1, a), shift, touch, before, to, is_kept)
       if (.not. is_kept) then
         is_near = .true.
         if (.not. measures) return
@@ -158,7 +158,7 @@ contains
         normal(:, n) = touch%normal(:, i)
         point(:, n) = touch%point(:, i)
         gap(n) = touch%gap(i)
-        kept(:, n) = 0
+        is_kept_now(n) = merge(1_i1, 0_i1, is_kept)
         if (is_kept) kept(:, n) = [kept_before(:n_kept_in_plane - 1, before(i)), to]
         call recall_impulse(before(i), n_components, impulse_before, status_before, impulse(:, n), status(n))
       end do
@@ -170,10 +170,11 @@ contains
   end subroutine go_on
 
   !> Points of a pair that were kept, where its shapes are now; if they are kept as far as is looked, and it has hardly moved since.
-  pure subroutine follow(from, kept_before, feature_before, alert, longest, length, reach, own, other, x, y, centre, shift, touch, &
-                         before, to, is_kept)
+  pure subroutine follow(from, is_kept_before, kept_before, feature_before, alert, longest, length, reach, own, other, x, y, &
+                         centre, shift, touch, before, to, is_kept)
     integer, intent(in) :: from(2) !! contacts of the past of the pair (`find_past`)
-    real(wp), intent(in) :: kept_before(n_kept_in_plane, *) !! what is kept of contacts of the past
+    integer(i1), intent(in) :: is_kept_before(*) !! is something kept of contacts of the past?
+    real(wp), intent(in) :: kept_before(n_kept_in_plane, *) !! what is kept of them
     integer(i4), intent(in) :: feature_before(*) !! their features
     real(wp), intent(in) :: alert, longest, length !! alert distance, longest one, and motion of kept contacts [m]
     real(wp), intent(in) :: reach, own(2), other(2) !! reach of the candidate [m]; cosine and sine of its turn and the antagonist's
@@ -190,7 +191,8 @@ contains
     is_kept = .false.
     k = from(1)
     if (from(2) < k) return
-    if (.not. kept_before(1, k) > 0 .or. alert > kept_before(n_kept_in_plane, k)) return
+    if (is_kept_before(k) == 0_i1) return
+    if (alert > kept_before(n_kept_in_plane, k)) return
     call pose_between(own, other, x, y, pose)
     is_kept = .not. has_moved_in_plane(kept_before(:, k), pose, reach, length)
     if (.not. is_kept) return

@@ -59,7 +59,7 @@ contains
       end if
     end associate
     ! Those of other shapes are kept.
-    if (contacts%n_kept > 0) contacts%kept(:, before + 1:contacts%n) = 0
+    if (contacts%n_kept > 0) contacts%is_kept(before + 1:contacts%n) = 0_i1
   end subroutine touch_rounds
 
   !> Disks, on plain arrays; products are fused with sums as in sg_touch_disk_disk.

@@ -132,6 +132,7 @@ contains
     call tables%note('status', history%status)
     call tables%note('internal', history%internal)
     call tables%note('carried', history%carried)
+    call tables%note('is_kept', history%is_kept)
     call tables%note('kept', history%kept)
     call tables%note('past', history%past)
     call tables%note('face', history%face)

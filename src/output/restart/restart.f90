@@ -78,6 +78,7 @@ contains
 
     call keep_fields(bodies, bodies%n, state%bodies)
     call keep_fields(contacts, contacts%n, state%contacts)
+    call forget(state%contacts)
     if (.not. present(number)) return
     do i = 1, size(state%contacts)
       if (state%contacts(i)%field%name /= 'contactor') cycle
@@ -86,6 +87,20 @@ contains
       end do
     end do
   end subroutine keep_state
+
+  !> Forget what stands where nothing is kept of a contact, so that equal states have equal files.
+  pure subroutine forget(fields)
+    type(kept_field_t), intent(inout) :: fields(:)
+    real(wp), allocatable :: is_kept(:, :)
+    integer :: i
+
+    is_kept = values_of(fields, 'is_kept')
+    if (size(is_kept) == 0) return
+    do i = 1, size(fields)
+      if (fields(i)%field%name == 'kept') &
+        fields(i)%values = merge(fields(i)%values, 0.0_wp, spread(is_kept(1, :) > 0, 1, size(fields(i)%values, 1)))
+    end do
+  end subroutine forget
 
   !> Put bodies and contacts into a state; of contacts only what recovery by pair needs is set. Where ranks share the scene
   !! contacts keep the numbers that contactors have in it.

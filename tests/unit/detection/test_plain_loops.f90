@@ -206,12 +206,15 @@ contains
                    all(one%status(:n) == other%status(:n)) .and. all(one%image(:n) == other%image(:n)), name//': the same contacts')
       worst = maxval(abs(one%gap(:n) - other%gap(:n))) + maxval(abs(one%point(:, :n) - other%point(:, :n))) + &
               maxval(abs(one%normal(:, :n) - other%normal(:, :n)))
-      if (one%n_kept > 0) worst = worst + maxval(abs(one%kept(:, :n) - other%kept(:, :n)))
+      if (one%n_kept > 0) then
+        call t%check(all(one%is_kept(:n) == other%is_kept(:n)), name//': the same are kept')
+        worst = worst + max(0.0_wp, maxval(maxval(abs(one%kept(:, :n) - other%kept(:, :n)), 1), one%is_kept(:n) > 0_i1))
+      end if
       call t%near(worst, 0.0_wp, rounding, name//': the same places')
       call t%near(maxval(abs(one%impulse(:, :n) - other%impulse(:, :n))), 0.0_wp, 0.0_wp, name//': the same impulses')
       call t%check(any(abs(one%impulse(:, :n)) > 0), name//': impulses are recalled')
       if (one%n_kept > 0 .and. index(name, 'polygons') > 0) &
-        call t%check(any(one%kept(1, :n) > 0) .and. any(.not. one%kept(1, :n) > 0), name//': some are kept')
+        call t%check(any(one%is_kept(:n) > 0_i1) .and. any(one%is_kept(:n) == 0_i1), name//': some are kept')
     end associate
   end subroutine compare
 end program test_plain_loops
