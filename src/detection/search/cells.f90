@@ -1,6 +1,6 @@
 !> Broad phase: which circles or spheres come near each other, in linear time for any spread of sizes.
 !!
-!! Circles are sorted into levels by powers of two of their radius. Each level has its own cubic cells, wide enough
+!! Circles are sorted into levels by powers of three of their radius. Each level has its own cubic cells, wide enough
 !! that a circle and any circle of the same or a smaller level that come near it lie in neighbouring cells. Cells are
 !! found by hashing, so that a far-flown grain costs nothing. Each circle looks in the 3 by 3 (by 3) cells about it of its
 !! own level and of every coarser one: a pair of two levels is found from the finer one.
@@ -56,29 +56,24 @@ contains
     type(cells_t), intent(inout) :: cells
     real(wp), intent(in) :: reach(:), margin, period(3)
     integer :: i, n, axis
-    integer, allocatable :: octave(:), new_level(:)
+    integer, allocatable :: power(:), new_level(:)
     real(wp), allocatable :: largest(:)
     real(wp) :: smallest
     real(wp), parameter :: most_columns = 1e9_wp
 
     smallest = max(minval(reach), tiny(1.0_wp))
-    allocate (octave(size(reach)), cells%level(size(reach)))
+    allocate (power(size(reach)), cells%level(size(reach)))
     ! Logarithms are subtracted: a quotient of radii may exceed the largest number.
-    octave = int((log(max(reach, smallest)) - log(smallest))/log(2.0_wp) + 1e-9_wp)
-    allocate (new_level(0:maxval(octave)), source=0)
+    power = int((log(max(reach, smallest)) - log(smallest))/log(3.0_wp) + 1e-9_wp)
+    allocate (new_level(0:maxval(power)), source=0)
     do i = 1, size(reach)
-      new_level(octave(i)) = 1
+      new_level(power(i)) = new_level(power(i)) + 1
     end do
-    n = 0
-    do i = 0, ubound(new_level, 1)
-      if (new_level(i) == 0) cycle
-      n = n + 1
-      new_level(i) = n
-    end do
+    call number_levels(new_level, n)
     cells%n_levels = n
     allocate (largest(n), source=0.0_wp)
     do i = 1, size(reach)
-      cells%level(i) = int(new_level(octave(i)), i4)
+      cells%level(i) = int(new_level(power(i)), i4)
       largest(cells%level(i)) = max(largest(cells%level(i)), reach(i))
     end do
     allocate (cells%side(3, n), cells%columns(3, n))
@@ -90,6 +85,27 @@ contains
       cells%side(axis, :) = period(axis)/real(cells%columns(axis, :), wp)
     end do
   end subroutine choose_levels
+
+  !> Number the levels of powers that hold circles. One of few circles goes on into the next: there to look at a few more takes
+  !! less than to look at one more level.
+  pure subroutine number_levels(level, n)
+    integer, intent(inout) :: level(0:) !! circles of each power, then its level
+    integer, intent(out) :: n !! levels
+    integer, parameter :: few = 16
+    integer :: i, circles
+
+    n = 1
+    circles = 0
+    do i = 0, ubound(level, 1)
+      if (level(i) == 0) cycle
+      if (circles > few) then
+        n = n + 1
+        circles = 0
+      end if
+      circles = circles + level(i)
+      level(i) = n
+    end do
+  end subroutine number_levels
 
   !> Cell of a point in a level; columns are counted within the period where there is one.
   pure function level_cell(cells, level, point) result(cell)

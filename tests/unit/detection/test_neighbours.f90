@@ -279,16 +279,24 @@ contains
     call t%check(pairs%skin >= 0 .and. pairs%skin <= 1, 'no body: a skin that is a length')
   end subroutine test_nobody
 
-  !> Radii from the smallest number to the largest: their quotient is no number, and pairs are found all the same.
+  !> Radii from the smallest number to the largest: their quotient is no number, and pairs are found all the same. Few circles get
+  !! no level of their own.
   subroutine test_all_sizes()
     type(cells_t) :: cells
-    real(wp), parameter :: reach(4) = [tiny(1.0_wp), 1e-308_wp, 1.0_wp, 1e307_wp]
-    real(wp) :: centre(3, 4)
+    real(wp), parameter :: sizes(4) = [tiny(1.0_wp), 1e-308_wp, 1.0_wp, 1e307_wp]
+    integer, parameter :: many = 20
+    real(wp) :: centre(3, 4*many), reach(4*many)
 
     centre = 0
+    reach = reshape(spread(sizes, 1, many), [4*many])
     call build_cells(cells, centre, reach, 0.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
     call t%equal(cells%n_levels, 3, 'levels of circles of all sizes')
-    call t%check(cells%level(1) == cells%level(2) .and. cells%level(2) < cells%level(3) .and. cells%level(3) < cells%level(4), &
-                 'levels grow with the radius')
+    associate (level => reshape(cells%level, [many, 4]))
+      call t%check(all(level(:, 1) == level(:, 2)) .and. all(level(:, 2) < level(:, 3)) .and. all(level(:, 3) < level(:, 4)), &
+                   'levels grow with the radius')
+    end associate
+    call build_cells(cells, centre, reach(::many), 0.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
+    call t%equal(cells%n_levels, 1, 'levels of few circles')
+    call t%near(cells%side(1, 1), 2*sizes(4), 0.0_wp, 'cells that hold the largest')
   end subroutine test_all_sizes
 end program test_neighbours
