@@ -2,7 +2,7 @@
 !! that are kept while their pair hardly moves (sg_kept_contacts).
 module sg_add_contacts
   use sg_contacts, only: contacts_t, grow_contacts
-  use sg_follow, only: face_of, follows
+  use sg_follow, only: face_of, face_of_antagonist, face_of_candidate, follows
   use sg_hand_over, only: hand_over
   use sg_history, only: carried_of, history_t, past_pair, recall
   use sg_internal_values, only: first_internal, keeps_gap, not_recorded
@@ -233,9 +233,10 @@ contains
   end subroutine follow_pair
 
   !> Keep the contacts of a pair that have just been found.
-  subroutine keep_pair(scene, pairs, p, alert, first, last, contacts)
+  subroutine keep_pair(scene, pairs, history, p, alert, first, last, contacts)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
+    type(history_t), intent(in) :: history !! with the face of two polygons that was found
     integer, intent(in) :: p !! pair
     real(wp), intent(in) :: alert !! alert distance of the pair [m]
     integer, intent(in) :: first, last !! the first and the last contact of the pair
@@ -251,12 +252,13 @@ contains
       do k = first, last
         associate (normal => contacts%normal(:, k), point => contacts%point(:, k), gap => contacts%gap(k), &
                    kept => contacts%kept(:, k))
-          ! Points of one face have one normal.
-          if (any(abs(normal - contacts%normal(:, max(first, k - 1))) > 0) .or. k == first) &
-            face = face_of(contactors, c, a, normal)
           if (scene%dimension == 2) then
+            face = merge(face_of_candidate, face_of_antagonist, history%face(1, p) < 0)
             call keep_in_plane(contactors, a, offset(:2), face, pose, normal, point, gap, alert, kept)
           else
+            ! Points of one face have one normal.
+            if (any(abs(normal - contacts%normal(:, max(first, k - 1))) > 0) .or. k == first) &
+              face = face_of(contactors, c, a, normal)
             call keep_in_space(contactors, a, offset, turn_of(scene, a), face, pose, normal, point, gap, alert, kept)
           end if
           contacts%is_kept(k) = 1_i1

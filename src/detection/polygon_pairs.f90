@@ -83,7 +83,7 @@ contains
                  contacts%kept, contacts%n, first, p, alert, is_near, slow, slow_alert, n_slow)
     end associate
     do i = 1, n_slow
-      call keep_pair(scene, pairs, slow(1, i), slow_alert(i), slow(2, i), slow(3, i), contacts)
+      call keep_pair(scene, pairs, history, slow(1, i), slow_alert(i), slow(2, i), slow(3, i), contacts)
     end do
   end subroutine touch_polygons
 

@@ -154,7 +154,7 @@ contains
         call find_in_space(scene, pairs, history, p, alert, path, contacts)
       end if
       if (.not. keeps .or. contacts%n == n) return
-      if (is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, p, near, n + 1, contacts%n, contacts)
+      if (is_slow(scene, c, a, pairs%substeps)) call keep_pair(scene, pairs, history, p, near, n + 1, contacts%n, contacts)
     end associate
   end subroutine touch_near
 

@@ -46,7 +46,7 @@ contains
     type(face_t) :: face_a, face_c
     real(wp) :: reach, floor, slack, height
     integer :: edge_a, edge_c, low_a, low_c, guess
-    logical :: is_proven
+    logical :: is_proven, is_of_antagonist
 
     reach = alert + radius_a
     floor = -huge(floor)
@@ -88,11 +88,12 @@ contains
     end if
     floor = max(floor, face_a%height - slack)
     call find_face(n_c, vertices_c, edges_c, n_a, vertices_a, offset_a, reach, max(low_a, face_a%edge), floor, face_c)
-    kept = merge(-key_of(face_c%edge, face_c%lowest), key_of(face_a%edge, face_a%lowest), face_c%height > face_a%height)
     if (present(clearance) .and. face_c%height >= reach) clearance = face_c%height - sure_slack()
-    if (face_c%height >= reach .or. max(face_a%edge, face_c%edge) == 0) return
     ! Of two faces as good, always the antagonist's: the normal of resting bricks must not depend on rounding.
-    if (face_a%height >= face_c%height - same_length*max(face_a%length, face_c%length)) then
+    is_of_antagonist = face_a%height >= face_c%height - same_length*max(face_a%length, face_c%length)
+    kept = merge(key_of(face_a%edge, face_a%lowest), -key_of(face_c%edge, face_c%lowest), is_of_antagonist)
+    if (face_c%height >= reach .or. max(face_a%edge, face_c%edge) == 0) return
+    if (is_of_antagonist) then
       call add_points(n_a, vertices_a, n_c, vertices_c, edges_c, -offset_a, face_a, .true., radius_a, alert, touch)
     else
       call add_points(n_c, vertices_c, n_a, vertices_a, edges_a, offset_a, face_c, .false., radius_a, alert, touch)
