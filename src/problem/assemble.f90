@@ -49,7 +49,7 @@ contains
     type(problem_t), intent(inout) :: problem !! the problem made
 
     call begin_problem(scene, plan, pairs, contacts%n, problem)
-    if (have_gap_laws(scene, plan)) then
+    if (have_gap_laws(scene, plan, problem%drives_spin)) then
       call assemble_by_gaps(scene, pairs%slot_of, contacts, time_step, .false., problem)
     else
       call assemble_by_laws(scene, pairs, contacts, time_step, problem)
@@ -110,8 +110,8 @@ contains
 
     call reserve_problem(problem, plan%kind, scene%bodies%n, n_contacts)
     problem%is_continued = .false.
-    call load_bodies(scene%bodies, plan%kind, pairs%body_of, plan%radius, problem%body, problem%moves, &
-                     problem%fastest)
+    call load_bodies(scene%bodies, plan%kind, pairs%body_of, plan%radius, problem%body, problem%moves, problem%fastest, &
+                     problem%drives_spin)
   end subroutine begin_problem
 
   !> Put a contact into a problem, without a guess of its impulse.
@@ -270,7 +270,7 @@ contains
     ! A step that broke ends the run: its statuses stay those of the step before.
     if (is_finite(problem, violation)) then
       rest = rest_speed(problem, violation)
-      if (have_gap_laws(scene, plan)) then
+      if (have_gap_laws(scene, plan, problem%drives_spin)) then
         call find_statuses(problem, rest, contacts%status)
       else
         do k = 1, contacts%n

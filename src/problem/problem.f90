@@ -28,6 +28,8 @@ module sg_problem
     logical, allocatable :: moves(:)
     !> Largest component of their free velocities [m/s], where they have
     real(wp) :: fastest = 0
+    !> Has a body a driven spin, which records of round shapes do not carry? Unknown unless the problem is assembled
+    logical :: drives_spin = .false.
     !> Norm of q, the relative velocities (with bias) without impulses [m/s]
     real(wp) :: free_norm = 0
     !> Gravity times step [m/s]

@@ -3,11 +3,12 @@
 module sg_problem_bodies
   use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_bodies, only: bodies_t
+  use sg_gap_laws, only: has_driven_spin
   use sg_kinds, only: wp, i4
   use sg_problem, only: problem_t
   use sg_records, only: arm_frictional, arm_frictionless, arm_inverse_i, arm_inverse_mx, arm_spin, ball_frictional, &
                         ball_frictionless, ball_frictionless_inverse_mx, ball_frictionless_inverse_mz, body_length, &
-                        first_inverse, is_in_space, plain_kind, round_frictional, round_frictionless, &
+                        first_inverse, is_compact, is_in_space, plain_kind, round_frictional, round_frictionless, &
                         round_frictionless_inverse_mx, round_frictionless_inverse_my, round_inverse_i, round_inverse_mx, &
                         round_inverse_my, round_spin, solid_inverse_mx, solid_inverse_mz, solid_inverse_xx, &
                         solid_inverse_yz, solid_spin_x, solid_spin_z, velocity_x, velocity_y, velocity_z
@@ -43,7 +44,7 @@ module sg_problem_bodies
 contains
 
   !> Free velocities and inverse masses by slot.
-  subroutine load_bodies(bodies, kind, body_of, radius, body, moves, fastest)
+  subroutine load_bodies(bodies, kind, body_of, radius, body, moves, fastest, drives_spin)
     type(bodies_t), intent(in) :: bodies !! bodies with their free velocities
     integer, intent(in) :: kind !! kind of problem
     integer(i4), intent(in), contiguous :: body_of(:) !! body of each slot
@@ -51,7 +52,9 @@ contains
     real(wp), intent(inout), contiguous :: body(:, :) !! records to fill
     logical, allocatable, intent(inout), optional :: moves(:) !! can impulses move each of the bodies?
     real(wp), intent(out), optional :: fastest !! largest component of their velocities [m/s], with `moves`
+    logical, intent(out), optional :: drives_spin !! has a round body a driven spin? With `moves`
     real(wp), allocatable :: found(:)
+    logical, allocatable :: spins(:)
     type(share_t) :: share
     type(piece_t) :: piece
     integer :: t, a, z
@@ -63,11 +66,12 @@ contains
       if (.not. allocated(moves)) allocate (moves(size(body_of)))
     end if
     allocate (found(n_sharing()), source=0.0_wp)
+    allocate (spins(n_sharing()), source=.false.)
     call begin_share(share, size(body_of), least_bodies)
     !$omp taskloop default(shared) private(t, a, z, piece) grainsize(1) if (share%pieces > 1)
     do t = 1, n_sharing()
       do while (takes(share, piece))
-        ! Marks are set, and the fastest body is found, while records are in the first cache.
+        ! Marks are set, the fastest body is found, and driven spins are, while records are in the first cache.
         do a = piece%first, piece%last, chunk
           z = min(piece%last, a + chunk - 1)
           if (is_in_space(kind)) then
@@ -78,10 +82,12 @@ contains
           if (.not. present(moves)) cycle
           call find_movable(z - a + 1, body_length(kind), first_inverse(kind), body(:, a:z), moves(a:z))
           found(t) = max(found(t), fastest_of(z - a + 1, kind, body(:, a:z)))
+          if (is_compact(kind) .and. .not. spins(t)) spins(t) = has_driven_spin(bodies, bodies%free_velocity, body_of(a:z))
         end do
       end do
     end do
     if (present(fastest)) fastest = maxval(found)
+    if (present(drives_spin)) drives_spin = any(spins)
   end subroutine load_bodies
 
   !> Largest component of the velocities of bodies [m/s].

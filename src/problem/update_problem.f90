@@ -5,7 +5,7 @@
 module sg_update_problem
   use sg_assemble_by_gaps, only: assemble_by_gaps
   use sg_contacts, only: contacts_t
-  use sg_gap_laws, only: have_gap_laws
+  use sg_gap_laws, only: has_driven_spin, have_gap_laws
   use sg_kinds, only: wp
   use sg_neighbour_list, only: neighbours_t
   use sg_plan, only: plan_t
@@ -25,7 +25,7 @@ contains
     type(plan_t), intent(in) :: plan !! kind of problem
     integer :: i
 
-    can_update = have_gap_laws(scene, plan)
+    can_update = have_gap_laws(scene, plan, has_driven_spin(scene%bodies, scene%bodies%free_velocity))
     ! Masses of components that are released within a step change with it.
     do i = 1, size(scene%drives)
       can_update = can_update .and. .not. scene%drives(i)%releases()
@@ -41,8 +41,8 @@ contains
     real(wp), intent(in) :: time_step !! length of the substep [s]
     type(problem_t), intent(inout) :: problem !! its impulses are the guess
 
-    call load_bodies(scene%bodies, problem%kind, pairs%body_of, plan%radius, problem%body, problem%moves, &
-                     problem%fastest)
+    call load_bodies(scene%bodies, problem%kind, pairs%body_of, plan%radius, problem%body, problem%moves, problem%fastest, &
+                     problem%drives_spin)
     call assemble_by_gaps(scene, pairs%slot_of, contacts, time_step, .true., problem)
     problem%is_continued = .true.
     if (.not. problem%fall_speed > 0) problem%velocity_scale = problem%free_norm/sqrt(real(max(1, contacts%n), wp))

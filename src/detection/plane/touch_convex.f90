@@ -41,8 +41,7 @@ contains
     integer(i4), intent(inout) :: kept !! face to try first, on return the best one: an edge of the antagonist; of the candidate
     !! where it is negative; 0 for none; with the vertex over it (`key_of`). The points do not depend on it
     type(touch_t), intent(out) :: touch !! points found
-    real(wp), intent(out), optional :: clearance !! the hulls are as far apart at least, however that is measured; nothing where
-    !! they are found nearer than the points count [m]
+    real(wp), intent(out), optional :: clearance !! least distance of the hulls; nothing where they are nearer than points count [m]
     type(face_t) :: face_a, face_c
     real(wp) :: reach, floor, slack, height
     integer :: edge_a, edge_c, low_a, low_c, guess

@@ -86,19 +86,19 @@ contains
     end do
   end subroutine choose_levels
 
-  !> Number the levels of powers that hold circles. One of few circles goes on into the next: there to look at a few more takes
-  !! less than to look at one more level.
+  !> Number the levels of powers that hold circles. One of few circles, walls as a rule, goes on into the next: there to look at a
+  !! few more takes less than to look at one more level. The finest level is that of grains, however few.
   pure subroutine number_levels(level, n)
     integer, intent(inout) :: level(0:) !! circles of each power, then its level
     integer, intent(out) :: n !! levels
     integer, parameter :: few = 16
     integer :: i, circles
 
-    n = 1
+    n = 0
     circles = 0
     do i = 0, ubound(level, 1)
       if (level(i) == 0) cycle
-      if (circles > few) then
+      if (n < 2 .or. circles > few) then
         n = n + 1
         circles = 0
       end if

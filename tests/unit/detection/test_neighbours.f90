@@ -296,7 +296,7 @@ contains
                    'levels grow with the radius')
     end associate
     call build_cells(cells, centre, reach(::many), 0.0_wp, [0.0_wp, 0.0_wp, 0.0_wp])
-    call t%equal(cells%n_levels, 1, 'levels of few circles')
-    call t%near(cells%side(1, 1), 2*sizes(4), 0.0_wp, 'cells that hold the largest')
+    call t%equal(cells%n_levels, 2, 'levels of few circles')
+    call t%near(cells%side(1, 2), 2*sizes(4), 0.0_wp, 'cells that hold the largest')
   end subroutine test_all_sizes
 end program test_neighbours

@@ -46,13 +46,13 @@ contains
     sim%scene%laws(1)%gap_shift = 1e-4_wp
     call advance_pack(t, name, sim, 80)
     call next_problem(sim, problem)
-    call t%check(have_gap_laws(sim%scene, sim%plan), name//': laws look at gaps')
+    call t%check(have_gap_laws(sim%scene, sim%plan, .false.), name//': laws look at gaps')
     call t%check(problem%n_contacts > 10 .and. any(abs(problem%impulse) > 0), name//': there are contacts, and impulses')
     call assemble_one_by_one(sim, slow)
     call compare(name, problem, slow)
     call compare_statuses(name, sim%problem)
     sim%scene%laws(1)%kind = law_restitution
-    call t%check(.not. have_gap_laws(sim%scene, sim%plan), name//': restitution looks at velocities')
+    call t%check(.not. have_gap_laws(sim%scene, sim%plan, .false.), name//': restitution looks at velocities')
   end subroutine test_pack
 
   !> The same problem, contact by contact.
