@@ -201,6 +201,7 @@ contains
     integer :: k, m, axis
     logical :: is_plain
 
+    if (n == 0) return
     image = 0
     is_plain = search%are_plain .and. .not. search%bounds(i)
     if (is_plain) then
