@@ -37,7 +37,7 @@ module sg_active_set
 
 contains
 
-  !> Begin a solve: no order holds contacts yet, unless that of the last solve goes on. Which are visited, `look` finds.
+  !> Begin a solve: all contacts are to be visited, and no order holds them yet, unless that of the last solve goes on.
   pure subroutine active_set_begin(self, n, keeps_order)
     class(active_set_t), intent(inout) :: self
     integer, intent(in) :: n !! contacts
@@ -51,6 +51,7 @@ contains
       room = n + n/8
       allocate (self%is_wanted(room), self%is_ordered(room))
     end if
+    call self%want_all(n)
     if (.not. keeps_order) self%is_ordered(:n) = .false.
   end subroutine active_set_begin
 
