@@ -6,7 +6,7 @@ module sg_neighbour_list
   use sg_scene, only: image_shift, scene_t
   implicit none
   private
-  public :: add_pair, give_back, image_of_pair, make_room, neighbours_t, offset_of
+  public :: add_pair, give_back, image_of_pair, neighbours_t, offset_of
 
   !> All pairs that may touch soon
   type :: neighbours_t
@@ -74,7 +74,7 @@ contains
     integer(i4), intent(in) :: image(3) !! periods along x, y, z by which the antagonist is moved
     integer, intent(in) :: see !! line of the see tables, 0 for a link
 
-    call make_room(pairs, dimension, has_cell, 1)
+    call make_room(pairs, dimension, has_cell)
     if (pairs%is_cut) return
     pairs%n = pairs%n + 1
     pairs%contactor(:, pairs%n) = contactor
@@ -84,30 +84,26 @@ contains
     pairs%see(pairs%n) = int(see, i4)
   end subroutine add_pair
 
-  !> Make room for more pairs, unless memory is short.
-  subroutine make_room(pairs, dimension, has_cell, n)
-    type(neighbours_t), intent(inout) :: pairs !! list that grows
-    integer, intent(in) :: dimension !! of space
-    logical, intent(in) :: has_cell !! are all axes periodic?
-    integer, intent(in) :: n !! pairs that are to have room
-    integer :: now, wanted
+  !> Make room for one more pair, unless memory is short.
+  subroutine make_room(pairs, dimension, has_cell)
+    type(neighbours_t), intent(inout) :: pairs
+    integer, intent(in) :: dimension
+    logical, intent(in) :: has_cell
+    integer :: now
 
     now = 0
     if (allocated(pairs%see)) now = size(pairs%see)
-    if (pairs%n + n <= now .or. pairs%is_cut) return
+    if (pairs%n < now .or. pairs%is_cut) return
     ! While a table grows there are both the old one and the new one.
-    pairs%is_cut = pairs%n >= huge(pairs%n) - n
-    if (pairs%is_cut) return
-    wanted = pairs%n + n
-    associate (bytes => 12 + dimension - merge(0, 1, has_cell), more => room_for(wanted, now) - now)
-      pairs%is_cut = .not. pairs%memory%fits(int(bytes, i8)*int(more, i8) + 8_i8*int(now, i8))
+    associate (bytes => 12 + dimension - merge(0, 1, has_cell), more => room_for(pairs%n + 1, now) - now)
+      pairs%is_cut = pairs%n == huge(pairs%n) - 1 .or. .not. pairs%memory%fits(int(bytes, i8)*int(more, i8) + 8_i8*int(now, i8))
     end associate
     if (pairs%is_cut) return
-    call reserve(pairs%contactor, 2, wanted)
-    call reserve(pairs%image, wanted)
-    if (dimension == 3 .or. has_cell) call reserve(pairs%image_y, wanted)
-    if (dimension == 3 .and. has_cell) call reserve(pairs%image_z, wanted)
-    call reserve(pairs%see, wanted)
+    call reserve(pairs%contactor, 2, pairs%n + 1)
+    call reserve(pairs%image, pairs%n + 1)
+    if (dimension == 3 .or. has_cell) call reserve(pairs%image_y, pairs%n + 1)
+    if (dimension == 3 .and. has_cell) call reserve(pairs%image_z, pairs%n + 1)
+    call reserve(pairs%see, pairs%n + 1)
   end subroutine make_room
 
   !> Periods along x, y, z by which the antagonist of a pair is moved.

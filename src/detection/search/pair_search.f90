@@ -9,7 +9,7 @@ module sg_pair_search
   use sg_contactors, only: contactors_t, n_kinds
   use sg_kinds, only: wp, i4
   use sg_near, only: candidate_first, is_near
-  use sg_neighbour_list, only: add_pair, make_room, neighbours_t
+  use sg_neighbour_list, only: add_pair, neighbours_t
   use sg_owners, only: contact_owner
   use sg_scene, only: image_shift, periods_of, scene_t
   use sg_sees, only: follows_motion, see_between, see_named, widest_alert
@@ -35,8 +35,6 @@ module sg_pair_search
     !> Does a contactor bound others? Of two that do not, do squares of these radii decide, where rounding may add a pair?
     logical, allocatable :: bounds(:)
     logical :: squares_decide = .false.
-    !> Do they alone, of two of one kind, since there are neither groups, nor owners, nor periods?
-    logical :: are_plain = .false.
     !> Periods, whether there are any, and what distances may lose where places are brought back into them [m]
     real(wp) :: period(3) = 0, slack = 0
     logical :: is_periodic = .false.
@@ -90,8 +88,6 @@ contains
       if (search%bounds(i)) search%radius(i) = 1e100_wp
     end do
     search%squares_decide = .not. (pairs%without_alert .or. search%margin > 0 .or. scene%cell%is_on)
-    search%are_plain = search%squares_decide .and. &
-                       .not. (search%is_periodic .or. allocated(scene%groups) .or. allocated(scene%bodies%owner))
     call build_cells(search%cells, search%centre, reach, search%margin, search%period)
     allocate (search%around(n_places, search%cells%n_levels))
   end subroutine begin_search
@@ -199,19 +195,9 @@ contains
     integer, intent(in) :: i, n
     integer(i4) :: image(3)
     integer :: k, m, axis
-    logical :: is_plain
 
-    if (n == 0) return
     image = 0
-    is_plain = search%are_plain .and. .not. search%bounds(i)
-    if (is_plain) then
-      call make_room(pairs, scene%dimension, scene%cell%is_on, n)
-      if (pairs%is_cut) return
-    end if
-    k = 1
-    do
-      if (is_plain) call put_alike(pairs, scene%contactors, search, around, i, n, k)
-      if (k > n) exit
+    do k = 1, n
       m = around%near(k)
       if (search%is_periodic) then
         do axis = 1, 3
@@ -219,51 +205,8 @@ contains
         end do
       end if
       call consider(pairs, scene, search, i, int(around%member(m)), image)
-      k = k + 1
     end do
   end subroutine consider_near
-
-  !> Add pairs of one contactor with those near it that are of its kind, up to one of another kind. There is room.
-  pure subroutine put_alike(pairs, contactors, search, around, i, n, k)
-    type(neighbours_t), intent(inout) :: pairs
-    type(contactors_t), intent(in) :: contactors
-    type(search_t), intent(in) :: search
-    type(around_t), intent(in) :: around
-    integer, intent(in) :: i !! the contactor by its place in the order
-    integer, intent(in) :: n !! how many are near it
-    integer, intent(inout) :: k !! the first to look at; then the first of another kind, or the one after the last
-    integer :: before
-
-    before = pairs%n
-    call put_run(n, around%near, around%member, search%contactor(i), search%class(i), search%contactor, search%class, &
-                 size(search%table, 1), search%table, contactors%kind, contactors%body, pairs%n, pairs%contactor, pairs%see, k)
-    pairs%image(before + 1:pairs%n) = 0
-    if (contactors%dimension == 3) pairs%image_y(before + 1:pairs%n) = 0
-  end subroutine put_alike
-
-  !> The same on plain arrays.
-  pure subroutine put_run(n, near, member, c, own, contactor, class, n_classes, table, kind, body, n_pairs, pair, see, k)
-    integer, intent(in) :: n, n_classes
-    integer, intent(in) :: near(*)
-    integer(i4), intent(in) :: member(*), c, own, contactor(*), class(*), table(n_classes, *), kind(*), body(*)
-    integer, intent(inout) :: n_pairs, k
-    integer(i4), intent(inout) :: pair(2, *), see(*)
-    integer(i4) :: j, line
-
-    do k = k, n
-      associate (other => member(near(k)))
-        j = contactor(other)
-        if (kind(j) /= kind(c)) return
-        line = table(own, class(other))
-      end associate
-      if (line == 0 .or. body(j) == body(c)) cycle
-      n_pairs = n_pairs + 1
-      ! Of one kind the later contactor is the candidate.
-      pair(1, n_pairs) = max(c, j)
-      pair(2, n_pairs) = min(c, j)
-      see(n_pairs) = line
-    end do
-  end subroutine put_run
 
   !> Keep a pair when the two see each other and are near.
   subroutine consider(pairs, scene, search, one, other, image)
