@@ -236,7 +236,7 @@ contains
   subroutine keep_pair(scene, pairs, history, p, alert, first, last, contacts)
     type(scene_t), intent(in) :: scene !! scene, its contactors placed
     type(neighbours_t), intent(in) :: pairs !! list of neighbours
-    type(history_t), intent(in) :: history !! with the face of two polygons that was found
+    type(history_t), intent(in) :: history !! with the face that was found, in the plane
     integer, intent(in) :: p !! pair
     real(wp), intent(in) :: alert !! alert distance of the pair [m]
     integer, intent(in) :: first, last !! the first and the last contact of the pair
