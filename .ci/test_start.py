@@ -92,3 +92,19 @@ def test_two_builds_in_one_folder_wait_for_each_other(start):
     assert all(done.returncode == 0 for done, _ in runs)
     # Each configures, since the fake writes no files, and builds.
     assert max((marks["cmake"] for _, marks in runs), key=len) == ["begins", "ends"] * 4
+
+
+@needs_root
+def test_sources_are_not_looked_through_again(start, tmp_path):
+    folder = tmp_path / "build/release/CMakeFiles/core.dir"
+    folder.mkdir(parents=True)
+    (tmp_path / "build/release/build.ninja").touch()
+    (folder / "alone.f90.o.ddi.d").write_text("/top/src/alone.f90:\n")
+    (folder / "including.f90.o.ddi.d").write_text("/top/src/including.f90: \\\n /top/src/other.inc\n")
+    (folder / "right.f90.o.ddi.d").write_text("CMakeFiles/core.dir/right.f90.o.ddi: \n")
+    done, _ = start("build")
+    assert done.returncode == 0
+    assert (folder / "alone.f90.o.ddi.d").read_text() == "CMakeFiles/core.dir/alone.f90.o.ddi:\n"
+    # What a source includes must stay known, and what ninja finds already stays.
+    assert (folder / "including.f90.o.ddi.d").read_text() == "/top/src/including.f90: \\\n /top/src/other.inc\n"
+    assert (folder / "right.f90.o.ddi.d").read_text() == "CMakeFiles/core.dir/right.f90.o.ddi: \n"

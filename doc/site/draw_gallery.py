@@ -51,7 +51,9 @@ def draw(folder, path):
 
 def main(program, folder):
     folder, program = Path(folder), Path(program).resolve()
-    decks = sorted(deck for deck in DECKS.rglob("*.toml") if not set(deck.relative_to(DECKS).parts) & set(OTHERS))
+    # A changed deck that Python runs stands beside its deck for as long, under its name and numbers.
+    decks = sorted(deck for deck in DECKS.rglob("*.toml")
+                   if not set(deck.relative_to(DECKS).parts) & set(OTHERS) and "." not in deck.stem)  # fmt: skip
     paths = {deck: (folder / deck.relative_to(DECKS)).with_suffix(".png") for deck in decks}
     due = [deck for deck, path in paths.items()
            if not path.exists() or path.stat().st_mtime < max(deck.stat().st_mtime, program.stat().st_mtime)]  # fmt: skip
