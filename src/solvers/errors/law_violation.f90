@@ -8,7 +8,7 @@ module sg_law_violation
   use sg_natural_map, only: chunk
   implicit none
   private
-  public :: largest_bound, law_violation, most_hidden, plane_bounds, rounding, space_bounds
+  public :: largest_bound, law_violation, most_hidden, next_chunk, plane_bounds, rounding, space_bounds
 
   !> Velocity that rounding leaves, over the velocity that the impulse gives the lighter body
   real(wp), parameter :: rounding = 16*epsilon(1.0_wp)
@@ -100,6 +100,24 @@ contains
     largest_bound = huge(1.0_wp)
     if (all(squares <= huge(1.0_wp))) largest_bound = maxval(squares)
   end function largest_bound
+
+  !> The chunk to look at in a turn of a search for the worst contact: where there are bounds, the one with the largest, until no
+  !! chunk can have a worse contact than what was found.
+  pure subroutine next_chunk(turn, speed, bounds, first)
+    integer, intent(in) :: turn !! number of the turn
+    real(wp), intent(in) :: speed !! largest velocity found so far [m/s]
+    real(wp), allocatable, intent(inout) :: bounds(:) !! of the chunks not looked at, zero of the others; or not there
+    integer, intent(out) :: first !! first contact of the chunk; zero for none
+    integer :: next
+
+    next = turn
+    if (allocated(bounds)) then
+      next = maxloc(bounds, 1)
+      if (.not. bounds(next) > speed**2) next = 0
+      if (next > 0) bounds(next) = 0
+    end if
+    first = max(0, (next - 1)*chunk + 1)
+  end subroutine next_chunk
 
   !> Bound of a square from one computed in another order.
   pure real(wp) function raised(square, u2, r2, rho, linear)

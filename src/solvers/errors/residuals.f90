@@ -6,7 +6,7 @@ module sg_residuals
   use, intrinsic :: iso_c_binding, only: c_double, c_int
   use sg_error_records, only: have_records, sum_records
   use sg_kinds, only: wp
-  use sg_law_violation, only: largest_bound, law_violation, plane_bounds
+  use sg_law_violation, only: largest_bound, law_violation, next_chunk, plane_bounds
   use sg_natural_map, only: chunk, plane_squares
   use sg_problem, only: problem_t
   use sg_records, only: arm_bias_n, arm_bias_t, arm_bonded, arm_cohesion, arm_compliance_n, arm_compliance_t, arm_friction, &
@@ -163,8 +163,9 @@ contains
     real(wp), allocatable, intent(in), optional :: chunk_bounds(:) !! of `sum_errors`, where nothing has changed since
     real(wp), intent(in), optional :: above !! velocity that only a larger one counts against [m/s]; the result where there is none
     type(chunk_t) :: a
+    real(wp), allocatable :: left(:)
     real(wp) :: broken, bounds(chunk)
-    integer :: first, i
+    integer :: turn, n_chunks, first, i
 
     contact = 0
     speed = 0
@@ -177,10 +178,11 @@ contains
       call find_worst_in_space(problem, contact, speed, chunk_bounds)
       return
     end if
-    do first = 1, problem%n_contacts, chunk
-      if (present(chunk_bounds)) then
-        if (chunk_bounds((first + chunk - 1)/chunk) <= speed**2) cycle
-      end if
+    n_chunks = (problem%n_contacts + chunk - 1)/chunk
+    if (present(chunk_bounds)) left = chunk_bounds(:n_chunks)
+    do turn = 1, n_chunks
+      call next_chunk(turn, speed, left, first)
+      if (first == 0) exit
       call gather(problem, first, a)
       call plane_bounds(a%n, a%u_n, a%u_t, a%r_n, a%r_t, a%friction, a%rho, a%linear, bounds)
       do i = 1, a%n

@@ -2,7 +2,7 @@
 module sg_residuals_space
   use sg_error_records, only: have_records, sum_records
   use sg_kinds, only: wp
-  use sg_law_violation, only: largest_bound, law_violation, space_bounds
+  use sg_law_violation, only: largest_bound, law_violation, next_chunk, space_bounds
   use sg_natural_map, only: chunk, space_squares
   use sg_problem, only: problem_t
   use sg_records, only: ball_bias_x, ball_bias_y, ball_bias_z, ball_friction, ball_frictional, ball_frictionless, &
@@ -107,15 +107,17 @@ contains
     real(wp), intent(inout) :: speed !! its velocity [m/s]
     real(wp), allocatable, intent(in), optional :: chunk_bounds(:) !! of `add_space_contacts`, where nothing has changed since
     type(chunk_t) :: a
+    real(wp), allocatable :: left(:)
     real(wp) :: broken, bounds(chunk)
-    integer :: first, i
+    integer :: turn, n_chunks, first, i
     logical :: has_tangent
 
     has_tangent = friction_place(problem%kind) > 0
-    do first = 1, problem%n_contacts, chunk
-      if (present(chunk_bounds)) then
-        if (chunk_bounds((first + chunk - 1)/chunk) <= speed**2) cycle
-      end if
+    n_chunks = (problem%n_contacts + chunk - 1)/chunk
+    if (present(chunk_bounds)) left = chunk_bounds(:n_chunks)
+    do turn = 1, n_chunks
+      call next_chunk(turn, speed, left, first)
+      if (first == 0) exit
       call gather(problem, first, a)
       call space_bounds(a%n, a%normal, a%u, a%r, a%friction, a%rho, a%linear, bounds)
       do i = 1, a%n
