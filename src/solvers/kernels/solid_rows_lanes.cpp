@@ -14,6 +14,12 @@ enum { normal, tangent = 3, bias = 12, wnn = 15, wn1, friction = 20, compliance_
 enum { impulse_n, impulse_1, impulse_2, row_normal, geometry = 12, row_bias = row_normal + geometry, inverse_wnn, g1, g2, s1, s2,
        row_friction };
 
+// Let half a row that holds no contact change nothing.
+inline void clear(double *row) {
+  for (int place = impulse_n; place <= row_friction; ++place)
+    store(place == s1 || place == s2 ? vec{} + 1.0 : vec{}, row + lanes * place);
+}
+
 inline vec size_of(const vec &v) { return v < vec{} ? -v : v; }
 inline vec largest_of(const vec &x, const vec &y, const vec &z) { return larger(larger(size_of(x), size_of(y)), size_of(z)); }
 }    // namespace
@@ -27,6 +33,10 @@ extern "C" void sg_put_solid_row(int left, int n, const int *contact, const doub
   mask special = {}, uncommon = {};
   ask_records<record::length>(contact, left, record);
   for (int h = 0; h < halves; ++h, row += width) {
+    if (n <= width * h) {
+      clear(row);
+      continue;
+    }
     const double *own[width];
     vec r[3];
     for (int i = 0; i < width; ++i) {
@@ -43,24 +53,27 @@ extern "C" void sg_put_solid_row(int left, int n, const int *contact, const doub
     fetch(record::compliance_n, last);
     const vec &law = last[2], &cohesion = v[record::friction + 1];
     const mask is_used = place <= none + static_cast<double>(n - width * h), takes_part = is_used & (law >= none + least_active);
-    const auto put = [&](const vec &value, const vec &otherwise, int to) {
-      store(takes_part ? value : otherwise, row + lanes * to);
-    };
     const vec *const x = v + record::normal, *const t = v + record::tangent, *const b = v + record::bias;
-    put(x[0] * r[0] + x[1] * r[1] + x[2] * r[2] + cohesion, none, impulse_n);
-    put(t[0] * r[0] + t[1] * r[1] + t[2] * r[2], none, impulse_1);
-    put((x[1] * t[2] - x[2] * t[1]) * r[0] + (x[2] * t[0] - x[0] * t[2]) * r[1] + (x[0] * t[1] - x[1] * t[0]) * r[2], none,
-        impulse_2);
-    for (int i = 0; i < geometry; ++i) put(v[i], none, row_normal + i);
-    // Cohesion is in the impulse, but what yields to a law with compliance is the impulse without it.
-    put(x[0] * b[0] + x[1] * b[1] + x[2] * b[2] - last[0] * cohesion, none, row_bias);
     const vec inverse = 1.0 / (takes_part ? v[record::wnn] : one);
-    put(inverse, none, inverse_wnn);
-    put(v[record::wn1] * inverse, none, g1);
-    put(v[record::wn1 + 1] * inverse, none, g2);
-    put(v[record::wn1 + 2], one, s1);
-    put(v[record::wn1 + 3], one, s2);
-    put(law > none + least_linear ? none - 1.0 : v[record::friction], none, row_friction);
+    const auto fill = [&](const auto &put) {
+      put(x[0] * r[0] + x[1] * r[1] + x[2] * r[2] + cohesion, none, impulse_n);
+      put(t[0] * r[0] + t[1] * r[1] + t[2] * r[2], none, impulse_1);
+      put((x[1] * t[2] - x[2] * t[1]) * r[0] + (x[2] * t[0] - x[0] * t[2]) * r[1] + (x[0] * t[1] - x[1] * t[0]) * r[2], none,
+          impulse_2);
+      for (int i = 0; i < geometry; ++i) put(v[i], none, row_normal + i);
+      // Cohesion is in the impulse, but what yields to a law with compliance is the impulse without it.
+      put(x[0] * b[0] + x[1] * b[1] + x[2] * b[2] - last[0] * cohesion, none, row_bias);
+      put(inverse, none, inverse_wnn);
+      put(v[record::wn1] * inverse, none, g1);
+      put(v[record::wn1 + 1] * inverse, none, g2);
+      put(v[record::wn1 + 2], one, s1);
+      put(v[record::wn1 + 3], one, s2);
+      put(law > none + least_linear ? none - 1.0 : v[record::friction], none, row_friction);
+    };
+    if (takes_part[0] & takes_part[1] & takes_part[2] & takes_part[3])
+      fill([row](const vec &value, const vec &, int to) { store(value, row + lanes * to); });
+    else
+      fill([&](const vec &value, const vec &otherwise, int to) { store(takes_part ? value : otherwise, row + lanes * to); });
     const vec oblique = largest_of(x[1] * b[2] - x[2] * b[1], x[2] * b[0] - x[0] * b[2], x[0] * b[1] - x[1] * b[0]);
     const mask yields = larger(size_of(last[0]), size_of(last[1])) > none;
     uncommon |= is_used & (~takes_part | (cohesion != none));

@@ -164,7 +164,7 @@ contains
     integer, intent(in) :: first_group, first_row, before
     logical, intent(in) :: with_special !! is there room for laws out of the ordinary?
     logical, intent(out) :: is_special !! is there such a law?
-    integer :: g, row, i, e, first
+    integer :: g, row, i, k, e, first
     integer(c_int) :: flags
 
     flags = 0
@@ -172,7 +172,9 @@ contains
     e = before
     do g = first_group, rows%n_groups
       do i = 1, lanes
-        rows%pair(i, :, g) = problem%pair(:, contact(e + merge(i, 1, i <= rows%row_size(first))))
+        k = contact(e + merge(i, 1, i <= rows%row_size(first)))
+        rows%pair(i, 1, g) = problem%pair(1, k)
+        rows%pair(i, 2, g) = problem%pair(2, k)
       end do
       do row = first, rows%last_row(g)
         call put_row(int(size(contact) - e, c_int), rows%row_size(row), contact(e + 1:), problem%record, problem%impulse, &
