@@ -4,11 +4,11 @@
 !! antagonist's centre to the candidate's; towards a wall it ends at the point of contact. Compression is positive.
 module sg_stress
   use sg_compactness, only: area_of_box
-  use sg_contacts, only: contacts_t, impulse_vector
+  use sg_contacts, only: contacts_t, image_of
   use sg_kinds, only: wp
   use sg_mapping, only: arms_of
   use sg_mapping_space, only: space_arms
-  use sg_scene, only: scene_t
+  use sg_scene, only: image_shift, scene_t
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
   private
@@ -134,19 +134,33 @@ contains
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(inout) :: sums(3, 3)
     logical, allocatable, intent(in), optional :: is_counted(:)
-    real(wp) :: branch(3), impulse(3)
-    integer :: k, b
+    real(wp) :: impulse(3), branch(3), shift(3)
+    integer :: k, c, a
 
     do k = 1, contacts%n
       if (present(is_counted)) then
         if (.not. is_counted(k)) cycle
       end if
-      impulse = impulse_vector(contacts, k)
-      if (.not. any(abs(impulse) > 0)) cycle
-      branch = branch_of(scene, contacts, k)
-      do b = 1, 3
-        sums(:, b) = sums(:, b) + impulse*branch(b)
-      end do
+      impulse = contacts%impulse(1, k)*contacts%normal(1:3, k)
+      if (contacts%n_components == 3) impulse = contacts%impulse(1:3, k)
+      if (.not. abs(impulse(1)) + abs(impulse(2)) + abs(impulse(3)) > 0) cycle
+      c = contacts%body(1, k)
+      a = contacts%body(2, k)
+      branch = 0
+      associate (middle => scene%bodies%middle, is_grain => scene%bodies%is_grain)
+        if (is_grain(c)) branch = middle(1:3, c) - contacts%point(1:3, k)
+        if (is_grain(a)) then
+          if (scene%cell%is_on) then
+            shift = image_shift(scene, image_of(contacts, k))
+          else
+            shift = [scene%period*real(contacts%image(k), wp), scene%period_y*real(contacts%image_y(k), wp), 0.0_wp]
+          end if
+          branch = branch + (contacts%point(1:3, k) - (middle(1:3, a) + shift))
+        end if
+      end associate
+      sums(:, 1) = sums(:, 1) + impulse*branch(1)
+      sums(:, 2) = sums(:, 2) + impulse*branch(2)
+      sums(:, 3) = sums(:, 3) + impulse*branch(3)
     end do
   end subroutine add_in_space
 

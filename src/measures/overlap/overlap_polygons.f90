@@ -8,22 +8,30 @@ module sg_overlap_polygons
 
 contains
 
-  !> Area shared by two convex polygons [m2]: the candidate cut along every edge of the antagonist.
+  !> Area shared by two convex polygons [m2]: the candidate cut along every edge of the antagonist, first along the one that faces
+  !! it most, which leaves a sliver of few vertices where they overlap little.
   pure real(wp) function overlap_polygon_polygon(n_c, vertices_c, n_a, vertices_a, offset_a) result(area)
     integer, intent(in) :: n_c !! vertices of the candidate
     real(wp), intent(in) :: vertices_c(2, n_c) !! candidate's vertices, counter-clockwise [m]
     integer, intent(in) :: n_a !! vertices of the antagonist
     real(wp), intent(in) :: vertices_a(2, n_a) !! antagonist's vertices, counter-clockwise [m]
     real(wp), intent(in) :: offset_a(2) !! added to the antagonist's vertices (its periodic image) [m]
-    real(wp) :: left(2, n_c + n_a), kept(2, 2*(n_c + n_a)), height(n_c + n_a), edge(2)
-    integer :: n, i, next
+    real(wp) :: left(2, n_c + n_a), kept(2, 2*(n_c + n_a) + 1), height(n_c + n_a), edge(2)
+    integer :: n, turn, i, next
 
-    left(:, :n_c) = vertices_c
+    !GCC$ novector
+    do i = 1, n_c
+      left(1, i) = vertices_c(1, i)
+      left(2, i) = vertices_c(2, i)
+    end do
     n = n_c
-    do i = 1, n_a
+    i = facing_edge(n_a, vertices_a, sum(vertices_c, 2)/real(n_c, wp) - offset_a)
+    do turn = 1, n_a
       next = merge(1, i + 1, i == n_a)
       edge = vertices_a(:, next) - vertices_a(:, i)
       call clip_at(n, left, [vertices_a(1, i) + offset_a(1), vertices_a(2, i) + offset_a(2)], [edge(2), -edge(1)], kept, height)
+      if (n == 0) exit
+      i = next
     end do
     area = 0
     do i = 2, n - 1
@@ -32,6 +40,27 @@ contains
     end do
     area = max(0.0_wp, area)
   end function overlap_polygon_polygon
+
+  !> The edge of a convex polygon over which a place lies highest.
+  pure integer function facing_edge(n, vertices, place) result(facing)
+    integer, intent(in) :: n
+    real(wp), intent(in) :: vertices(2, n), place(2)
+    real(wp) :: x, y, height, square, highest
+    integer :: i, next
+
+    facing = 1
+    highest = -huge(1.0_wp)
+    do i = 1, n
+      next = merge(1, i + 1, i == n)
+      x = vertices(1, next) - vertices(1, i)
+      y = vertices(2, next) - vertices(2, i)
+      height = y*(place(1) - vertices(1, i)) - x*(place(2) - vertices(2, i))
+      square = height*abs(height)/max(x*x + y*y, tiny(1.0_wp))
+      if (.not. square > highest) cycle
+      highest = square
+      facing = i
+    end do
+  end function facing_edge
 
   !> Area shared by a disk and a convex polygon [m2].
   pure real(wp) function overlap_disk_polygon(centre_c, radius_c, n_a, vertices_a, offset_a) result(area)
@@ -62,7 +91,7 @@ contains
     real(wp), intent(inout) :: vertices(:, :) !! room for one vertex more, counter-clockwise [m], shape (2, :)
     real(wp), intent(in) :: point(2) !! a point of the line [m]
     real(wp), intent(in) :: normal(2) !! of the side that is cut off, any length
-    real(wp) :: kept(2, 2*n), height(n)
+    real(wp) :: kept(2, 2*n + 1), height(n)
 
     call clip_at(n, vertices, point, normal, kept, height)
   end subroutine clip
@@ -73,30 +102,36 @@ contains
     real(wp), intent(inout) :: vertices(:, :) !! vertices, as in `clip`
     real(wp), intent(in) :: point(2) !! a point of the line [m]
     real(wp), intent(in) :: normal(2) !! of the side that is cut off, any length
-    real(wp), intent(inout), contiguous :: kept(:, :) !! room for the vertices kept, shape (2, 2 n) at least
+    real(wp), intent(inout), contiguous :: kept(:, :) !! room for the vertices kept, shape (2, 2 n + 1) at least
     real(wp), intent(inout), contiguous :: height(:) !! room for their heights, shape (n) at least
-    integer :: i, next, n_kept
+    real(wp) :: highest, share
+    integer :: i, next, n_kept, crosses
 
+    highest = 0
+    !GCC$ novector
     do i = 1, n
       height(i) = normal(1)*(vertices(1, i) - point(1)) + normal(2)*(vertices(2, i) - point(2))
+      highest = max(highest, height(i))
     end do
     ! A line that cuts off nothing leaves all as it is.
-    if (.not. any(height(:n) > 0)) return
+    if (.not. highest > 0) return
     n_kept = 0
+    ! Without branches, which would go the wrong way half of the time: what is not kept is written over.
+    !GCC$ novector
     do i = 1, n
       next = merge(1, i + 1, i == n)
-      if (height(i) <= 0) then
-        n_kept = n_kept + 1
-        kept(1, n_kept) = vertices(1, i)
-        kept(2, n_kept) = vertices(2, i)
-      end if
-      if ((height(i) > 0 .and. height(next) < 0) .or. (height(i) < 0 .and. height(next) > 0)) then
-        n_kept = n_kept + 1
-        kept(:, n_kept) = vertices(:, i) + height(i)/(height(i) - height(next))*(vertices(:, next) - vertices(:, i))
-      end if
+      kept(1, n_kept + 1) = vertices(1, i)
+      kept(2, n_kept + 1) = vertices(2, i)
+      n_kept = n_kept + merge(1, 0, height(i) <= 0)
+      crosses = merge(1, 0, height(i) > 0)*merge(1, 0, height(next) < 0) + merge(1, 0, height(i) < 0)*merge(1, 0, height(next) > 0)
+      share = height(i)/merge(height(i) - height(next), 1.0_wp, crosses > 0)
+      kept(1, n_kept + 1) = vertices(1, i) + share*(vertices(1, next) - vertices(1, i))
+      kept(2, n_kept + 1) = vertices(2, i) + share*(vertices(2, next) - vertices(2, i))
+      n_kept = n_kept + crosses
     end do
     ! Rounding may let slivers cross the line more than twice; no area comes of what finds no room.
     n = min(n_kept, size(vertices, 2))
+    !GCC$ novector
     do i = 1, n
       vertices(1, i) = kept(1, i)
       vertices(2, i) = kept(2, i)

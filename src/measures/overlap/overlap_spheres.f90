@@ -35,7 +35,7 @@ contains
     real(wp), intent(in) :: radius_a !! radius of the antagonist [m]
     real(wp) :: distance, depth, cap_c, cap_a
 
-    distance = norm2(centre_c - centre_a)
+    distance = sqrt((centre_c(1) - centre_a(1))**2 + (centre_c(2) - centre_a(2))**2 + (centre_c(3) - centre_a(3))**2)
     depth = radius_c + radius_a - distance
     if (depth <= 0) then
       volume = 0
