@@ -10,7 +10,7 @@ module sg_coordination
   use sg_bodies, only: bodies_t
   use sg_body_kinds, only: body_kind_name, body_kinds
   use sg_contactors, only: contactors_t
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, normal_impulses
   use sg_kinds, only: wp, i4
   use sg_sorting, only: group_items
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
@@ -173,15 +173,13 @@ contains
     type(touching_t) :: pairs
     integer(i4), allocatable :: lower(:), body(:, :)
     integer, allocatable :: first(:), item(:), points(:), pair_of(:)
-    real(wp) :: normal
+    real(wp), allocatable :: normal(:)
     integer :: k, i, n, n_before, upper
 
     allocate (lower(contacts%n))
+    call normal_impulses(contacts, normal)
     do k = 1, contacts%n
-      normal = contacts%impulse(1, k)
-      if (contacts%n_components == 3) normal = normal*contacts%normal(1, k) + contacts%impulse(2, k)*contacts%normal(2, k) &
-                                               + contacts%impulse(3, k)*contacts%normal(3, k)
-      lower(k) = merge(min(contacts%body(1, k), contacts%body(2, k)), 0_i4, normal > 0)
+      lower(k) = merge(min(contacts%body(1, k), contacts%body(2, k)), 0_i4, normal(k) > 0)
     end do
     call group_items(lower, n_bodies, first, item)
     allocate (body(2, size(item)), points(size(item)))

@@ -3,7 +3,7 @@
 !! F = (1/N) sum over these contacts of n (x) n, n the normal: of trace 1, and 1/2 (in space 1/3) of the identity where normals have
 !! no preferred direction. Contacts with walls, which have the directions of the walls, are left out.
 module sg_fabric
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, normal_impulses
   use sg_kinds, only: wp
   use sg_scene, only: scene_t
   use sg_tally, only: pass_columns, pass_sums, ratio, tally_t
@@ -48,19 +48,19 @@ contains
   pure function fabric_sums(scene, contacts) result(sums)
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
-    real(wp) :: sums(n_fabric_sums), x, y, z, normal
+    real(wp) :: sums(n_fabric_sums), x, y, z
+    real(wp), allocatable :: normal(:)
     integer :: k
 
     sums = 0
     z = 0
+    call normal_impulses(contacts, normal)
     do k = 1, contacts%n
+      if (.not. normal(k) > 0) cycle
+      if (.not. (scene%bodies%is_grain(contacts%body(1, k)) .and. scene%bodies%is_grain(contacts%body(2, k)))) cycle
       x = contacts%normal(1, k)
       y = contacts%normal(2, k)
       if (contacts%dimension == 3) z = contacts%normal(3, k)
-      normal = contacts%impulse(1, k)
-      if (contacts%n_components == 3) normal = normal*x + contacts%impulse(2, k)*y + contacts%impulse(3, k)*z
-      if (.not. normal > 0) cycle
-      if (.not. (scene%bodies%is_grain(contacts%body(1, k)) .and. scene%bodies%is_grain(contacts%body(2, k)))) cycle
       sums(1) = sums(1) + 1
       sums(2) = sums(2) + x*x
       sums(3) = sums(3) + x*y

@@ -4,7 +4,7 @@
 !! impulse: the tangent of the slope for a block at rest on it. What a contact does, sticking or sliding, is its status after the
 !! solve (sg_contact_status).
 module sg_mobilised_friction
-  use sg_contacts, only: contacts_t
+  use sg_contacts, only: contacts_t, normal_impulses
   use sg_kinds, only: wp
   use sg_laws, only: status_slide
   use sg_scene, only: scene_t
@@ -42,30 +42,27 @@ contains
   pure function friction_sums(scene, contacts) result(sums)
     type(scene_t), intent(in) :: scene !! scene with its laws
     type(contacts_t), intent(in) :: contacts !! contacts with the impulses of the step
-    real(wp) :: sums(n_friction_sums), r(3), normal, tangential, x, y, z
+    real(wp) :: sums(n_friction_sums), tangential
+    real(wp), allocatable :: normal(:)
     logical, allocatable :: rubs(:)
     integer :: k
 
     sums = 0
     if (contacts%n_components == 1 .or. .not. allocated(scene%laws)) return
     rubs = max(scene%laws%static_friction, scene%laws%dynamic_friction) > 0
+    call normal_impulses(contacts, normal)
     do k = 1, contacts%n
-      if (.not. rubs(contacts%law(k))) cycle
+      if (.not. (normal(k) > 0 .and. rubs(contacts%law(k)))) cycle
       if (contacts%n_components == 2) then
-        normal = contacts%impulse(1, k)
         tangential = abs(contacts%impulse(2, k))
       else
-        r = contacts%impulse(1:3, k)
-        x = contacts%normal(1, k)
-        y = contacts%normal(2, k)
-        z = contacts%normal(3, k)
-        normal = r(1)*x + r(2)*y + r(3)*z
-        tangential = sqrt((r(1) - normal*x)**2 + (r(2) - normal*y)**2 + (r(3) - normal*z)**2)
+        tangential = sqrt((contacts%impulse(1, k) - normal(k)*contacts%normal(1, k))**2 &
+                          + (contacts%impulse(2, k) - normal(k)*contacts%normal(2, k))**2 &
+                          + (contacts%impulse(3, k) - normal(k)*contacts%normal(3, k))**2)
       end if
-      if (.not. normal > 0) cycle
       sums(1) = sums(1) + 1
       sums(2) = sums(2) + merge(1.0_wp, 0.0_wp, contacts%status(k) == status_slide)
-      sums(3) = sums(3) + normal
+      sums(3) = sums(3) + normal(k)
       sums(4) = sums(4) + tangential
     end do
   end function friction_sums
