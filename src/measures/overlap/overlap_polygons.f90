@@ -6,6 +6,9 @@ module sg_overlap_polygons
   private
   public :: overlap_polygon_polygon, overlap_disk_polygon, clip
 
+  !> Vertices of a pair of polygons for which there is room of constant size
+  integer, parameter :: few = 32
+
 contains
 
   !> Area shared by two convex polygons [m2]: the candidate cut along every edge of the antagonist, first along the one that faces
@@ -16,7 +19,25 @@ contains
     integer, intent(in) :: n_a !! vertices of the antagonist
     real(wp), intent(in) :: vertices_a(2, n_a) !! antagonist's vertices, counter-clockwise [m]
     real(wp), intent(in) :: offset_a(2) !! added to the antagonist's vertices (its periodic image) [m]
-    real(wp) :: left(2, n_c + n_a), kept(2, 2*(n_c + n_a) + 1), height(n_c + n_a), edge(2)
+    real(wp) :: left(2, few), kept(2, 2*few + 1), height(few)
+    real(wp), allocatable :: more_left(:, :), more_kept(:, :), more_height(:)
+
+    ! Room of constant size need not be asked of the system for each pair.
+    if (n_c + n_a <= few) then
+      call cut_along_all(n_c, vertices_c, n_a, vertices_a, offset_a, left, kept, height, area)
+    else
+      allocate (more_left(2, n_c + n_a), more_kept(2, 2*(n_c + n_a) + 1), more_height(n_c + n_a))
+      call cut_along_all(n_c, vertices_c, n_a, vertices_a, offset_a, more_left, more_kept, more_height, area)
+    end if
+  end function overlap_polygon_polygon
+
+  !> The same with room for the work.
+  pure subroutine cut_along_all(n_c, vertices_c, n_a, vertices_a, offset_a, left, kept, height, area)
+    integer, intent(in) :: n_c, n_a
+    real(wp), intent(in) :: vertices_c(2, n_c), vertices_a(2, n_a), offset_a(2)
+    real(wp), intent(inout) :: left(2, n_c + n_a), kept(2, 2*(n_c + n_a) + 1), height(n_c + n_a)
+    real(wp), intent(out) :: area
+    real(wp) :: edge(2)
     integer :: n, turn, i, next
 
     !GCC$ novector
@@ -39,7 +60,7 @@ contains
                             - (left(2, i) - left(2, 1))*(left(1, i + 1) - left(1, 1)))
     end do
     area = max(0.0_wp, area)
-  end function overlap_polygon_polygon
+  end subroutine cut_along_all
 
   !> The edge of a convex polygon over which a place lies highest.
   pure integer function facing_edge(n, vertices, place) result(facing)

@@ -93,7 +93,9 @@ contains
   end subroutine test_disk_polygon
 
   subroutine test_polygons()
-    real(wp) :: box(2, 4), triangle(2, 3)
+    integer, parameter :: n = 40
+    real(wp) :: box(2, 4), triangle(2, 3), half_plane(2, 4), round(2, n), turned(2, n), step, inner
+    integer :: i
 
     box = reshape([0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp, 2.0_wp, 1.0_wp, 0.0_wp, 1.0_wp], [2, 4])
     triangle = reshape([0.0_wp, 0.0_wp, 2.0_wp, 0.0_wp, 0.0_wp, 2.0_wp], [2, 3])
@@ -103,6 +105,17 @@ contains
     call t%near(overlap_polygon_polygon(4, box, 4, box, [5.0_wp, 0.0_wp]), 0.0_wp, 0.0_wp, 'boxes apart')
     call t%near(overlap_polygon_polygon(4, box, 3, triangle, zero), 1.5_wp, tight, 'box and triangle')
     call t%near(overlap_polygon_polygon(3, triangle, 4, box, zero), 1.5_wp, tight, 'triangle and box')
+
+    ! Many vertices: a regular polygon with itself, cut in half, and with itself turned by half an edge, which leaves a regular
+    ! polygon of twice as many edges at the same distance from the centre.
+    step = 2*pi/real(n, wp)
+    round = reshape([(cos(step*real(i, wp)), sin(step*real(i, wp)), i=1, n)], [2, n])
+    turned = reshape([(cos(step*(real(i, wp) + 0.5_wp)), sin(step*(real(i, wp) + 0.5_wp)), i=1, n)], [2, n])
+    half_plane = reshape([0.0_wp, -9.0_wp, 9.0_wp, -9.0_wp, 9.0_wp, 9.0_wp, 0.0_wp, 9.0_wp], [2, 4])
+    inner = cos(step/2)
+    call t%near(overlap_polygon_polygon(n, round, n, round, zero), real(n, wp)/2*sin(step), 10*tight, 'coincident polygons')
+    call t%near(overlap_polygon_polygon(n, round, 4, half_plane, zero), real(n, wp)/4*sin(step), 10*tight, 'half a polygon')
+    call t%near(overlap_polygon_polygon(n, round, n, turned, zero), 2*real(n, wp)*inner**2*tan(step/4), 10*tight, 'turned polygons')
   end subroutine test_polygons
 
   subroutine test_walls()
