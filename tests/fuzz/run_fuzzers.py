@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""All fuzzers, as many side by side as there are cores, and their table.
+"""All fuzzers one after the other, and their table.
 
     run_fuzzers.py PROGRAM [--seed N] [--minutes N] [--table PAGE] [--keep FOLDER]
 
@@ -9,11 +9,9 @@ page by the table. The exit code is 1 when a case crashed, hung or was wrong, or
 
 import argparse
 import json
-import os
 import re
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -33,14 +31,9 @@ def main():
     fuzzers = sorted(path for path in HERE.glob("fuzz_*.py") if path.stem != "fuzz_harness")
     seconds = 60 * chosen.minutes / len(fuzzers)
     found, failed = [], []
-
-    def run(fuzzer):
-        return subprocess.run([sys.executable, fuzzer, chosen.program, "--seed", str(chosen.seed), "--seconds", f"{seconds:.1f}",
+    for fuzzer in fuzzers:
+        done = subprocess.run([sys.executable, fuzzer, chosen.program, "--seed", str(chosen.seed), "--seconds", f"{seconds:.1f}",
                                "--keep", chosen.keep], stdout=subprocess.PIPE, text=True, check=False)
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        runs = list(pool.map(run, fuzzers))
-    for fuzzer, done in zip(fuzzers, runs):
         *said, last = done.stdout.splitlines() or [""]
         print("\n".join(said), end="\n" if said else "", flush=True)
         try:
