@@ -8,7 +8,7 @@ module sg_law_violation
   use sg_natural_map, only: chunk
   implicit none
   private
-  public :: largest_bound, law_violation, most_hidden, next_chunk, plane_bounds, rounding, space_bounds
+  public :: largest_bound, law_violation, most_hidden, next_chunk, plane_bounds, rounding, space_bounds, take_largest
 
   !> Velocity that rounding leaves, over the velocity that the impulse gives the lighter body
   real(wp), parameter :: rounding = 16*epsilon(1.0_wp)
@@ -111,13 +111,24 @@ contains
     integer :: next
 
     next = turn
-    if (allocated(bounds)) then
-      next = maxloc(bounds, 1)
-      if (.not. bounds(next) > speed**2) next = 0
-      if (next > 0) bounds(next) = 0
-    end if
+    if (allocated(bounds)) call take_largest(bounds, speed, next)
     first = max(0, (next - 1)*chunk + 1)
   end subroutine next_chunk
+
+  !> Take the largest of the bounds that are left, if it is above what was found.
+  pure subroutine take_largest(bounds, speed, place)
+    real(wp), intent(inout) :: bounds(:) !! bounds of squares, zero of what was taken [m2/s2]
+    real(wp), intent(in) :: speed !! largest velocity found so far [m/s]
+    integer, intent(out) :: place !! which one; zero for none
+
+    place = maxloc(bounds, 1)
+    if (place == 0) return
+    if (bounds(place) > speed**2) then
+      bounds(place) = 0
+    else
+      place = 0
+    end if
+  end subroutine take_largest
 
   !> Bound of a square from one computed in another order.
   pure real(wp) function raised(square, u2, r2, rho, linear)

@@ -7,6 +7,7 @@ module sg_order_errors
   use sg_error_lanes, only: groups_of_bound, lanes_of_arms, lanes_of_balls, lanes_of_disks, lanes_of_plain_disks, measure_lanes
   use sg_group_dealing, only: lanes
   use sg_kinds, only: wp, i4
+  use sg_law_violation, only: take_largest
   use sg_natural_map, only: chunk
   use sg_problem, only: problem_t
   use sg_records, only: ball_frictional, impulse_length, record_length, round_frictional
@@ -244,10 +245,8 @@ contains
     speed = 0
     bounds = self%bounds(:size(bounds))
     do
-      run = maxloc(bounds, 1)
+      call take_largest(bounds, speed, run)
       if (run == 0) exit
-      if (.not. bounds(run) > speed**2) exit
-      bounds(run) = 0
       first = sum(order%group_size(:(run - 1)*groups_of_bound)) + 1
       last = first - 1 + sum(order%group_size((run - 1)*groups_of_bound + 1:min(order%n_groups, run*groups_of_bound)))
       call copy_part(problem, order%contact(first:last), self%part)
