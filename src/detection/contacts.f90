@@ -223,24 +223,20 @@ contains
     integer, intent(in) :: k !! contact
 
     normal_impulse = contacts%impulse(1, k)
-    if (contacts%n_components == 3) normal_impulse = dot_product(contacts%impulse(:, k), contacts%normal(:, k))
+    if (contacts%n_components == 3) &
+      normal_impulse = normal_impulse*contacts%normal(1, k) + contacts%impulse(2, k)*contacts%normal(2, k) &
+                       + contacts%impulse(3, k)*contacts%normal(3, k)
   end function normal_impulse
 
-  !> Those of all contacts, in one loop: a call for each would take longer [N s].
+  !> Those of all contacts [N s]: without a call for each from another file.
   pure subroutine normal_impulses(contacts, normal)
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     real(wp), allocatable, intent(out) :: normal(:) !! shape (contacts)
     integer :: k
 
     allocate (normal(contacts%n))
-    if (contacts%n == 0) return
-    if (contacts%n_components < 3) then
-      normal = contacts%impulse(1, :contacts%n)
-      return
-    end if
     do k = 1, contacts%n
-      normal(k) = contacts%impulse(1, k)*contacts%normal(1, k) + contacts%impulse(2, k)*contacts%normal(2, k) &
-                  + contacts%impulse(3, k)*contacts%normal(3, k)
+      normal(k) = normal_impulse(contacts, k)
     end do
   end subroutine normal_impulses
 

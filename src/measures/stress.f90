@@ -7,7 +7,6 @@ module sg_stress
   use sg_contacts, only: contacts_t, image_of
   use sg_kinds, only: wp
   use sg_mapping, only: arms_of
-  use sg_mapping_space, only: space_arms
   use sg_scene, only: image_shift, scene_t
   use sg_tally, only: pass_columns, pass_sums, tally_t
   implicit none
@@ -134,8 +133,8 @@ contains
     type(contacts_t), intent(in) :: contacts
     real(wp), intent(inout) :: sums(3, 3)
     logical, allocatable, intent(in), optional :: is_counted(:)
-    real(wp) :: impulse(3), branch(3), shift(3)
-    integer :: k, c, a
+    real(wp) :: impulse(3), branch(3)
+    integer :: k
 
     do k = 1, contacts%n
       if (present(is_counted)) then
@@ -144,20 +143,7 @@ contains
       impulse = contacts%impulse(1, k)*contacts%normal(1:3, k)
       if (contacts%n_components == 3) impulse = contacts%impulse(1:3, k)
       if (.not. abs(impulse(1)) + abs(impulse(2)) + abs(impulse(3)) > 0) cycle
-      c = contacts%body(1, k)
-      a = contacts%body(2, k)
-      branch = 0
-      associate (middle => scene%bodies%middle, is_grain => scene%bodies%is_grain)
-        if (is_grain(c)) branch = middle(1:3, c) - contacts%point(1:3, k)
-        if (is_grain(a)) then
-          if (scene%cell%is_on) then
-            shift = image_shift(scene, image_of(contacts, k))
-          else
-            shift = [scene%period*real(contacts%image(k), wp), scene%period_y*real(contacts%image_y(k), wp), 0.0_wp]
-          end if
-          branch = branch + (contacts%point(1:3, k) - (middle(1:3, a) + shift))
-        end if
-      end associate
+      branch = space_branch(scene, contacts, k)
       sums(:, 1) = sums(:, 1) + impulse*branch(1)
       sums(:, 2) = sums(:, 2) + impulse*branch(2)
       sums(:, 3) = sums(:, 3) + impulse*branch(3)
@@ -170,19 +156,36 @@ contains
     type(scene_t), intent(in) :: scene !! scene of the step
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
-    real(wp) :: branch(3), arms(3, 2), half_gap(3)
+    real(wp) :: branch(3), arms(2, 2), half_gap(2)
 
-    half_gap = 0
     if (scene%dimension == 3) then
-      arms = space_arms(scene, contacts, k)
-      half_gap = contacts%gap(k)/2*contacts%normal(1:3, k)
-    else
-      arms = 0
-      arms(:2, :) = arms_of(contacts, k, scene%bodies%middle, scene%period)
-      half_gap(:2) = contacts%gap(k)/2*contacts%normal(1:2, k)
+      branch = space_branch(scene, contacts, k)
+      return
     end if
+    arms = arms_of(contacts, k, scene%bodies%middle, scene%period)
+    half_gap = contacts%gap(k)/2*contacts%normal(1:2, k)
     branch = 0
-    if (scene%bodies%is_grain(contacts%body(1, k))) branch = branch - arms(:, 1) + half_gap
-    if (scene%bodies%is_grain(contacts%body(2, k))) branch = branch + arms(:, 2) + half_gap
+    if (scene%bodies%is_grain(contacts%body(1, k))) branch(:2) = branch(:2) - arms(:, 1) + half_gap
+    if (scene%bodies%is_grain(contacts%body(2, k))) branch(:2) = branch(:2) + arms(:, 2) + half_gap
   end function branch_of
+
+  !> The same in space, without the gap, which would enter twice and cancel.
+  pure function space_branch(scene, contacts, k) result(branch)
+    type(scene_t), intent(in) :: scene
+    type(contacts_t), intent(in) :: contacts
+    integer, intent(in) :: k
+    real(wp) :: branch(3), shift(3)
+
+    branch = 0
+    associate (c => contacts%body(1, k), a => contacts%body(2, k), middle => scene%bodies%middle)
+      if (scene%bodies%is_grain(c)) branch = middle(1:3, c) - contacts%point(1:3, k)
+      if (.not. scene%bodies%is_grain(a)) return
+      if (scene%cell%is_on) then
+        shift = image_shift(scene, image_of(contacts, k))
+      else
+        shift = [scene%period*real(contacts%image(k), wp), scene%period_y*real(contacts%image_y(k), wp), 0.0_wp]
+      end if
+      branch = branch + (contacts%point(1:3, k) - (middle(1:3, a) + shift))
+    end associate
+  end function space_branch
 end module sg_stress

@@ -19,14 +19,14 @@ contains
     integer, intent(in) :: n_a !! vertices of the antagonist
     real(wp), intent(in) :: vertices_a(2, n_a) !! antagonist's vertices, counter-clockwise [m]
     real(wp), intent(in) :: offset_a(2) !! added to the antagonist's vertices (its periodic image) [m]
-    real(wp) :: left(2, few), kept(2, 2*few + 1), height(few)
+    real(wp) :: left(2, few), kept(2, 2*few), height(few)
     real(wp), allocatable :: more_left(:, :), more_kept(:, :), more_height(:)
 
     ! Room of constant size need not be asked of the system for each pair.
     if (n_c + n_a <= few) then
       call cut_along_all(n_c, vertices_c, n_a, vertices_a, offset_a, left, kept, height, area)
     else
-      allocate (more_left(2, n_c + n_a), more_kept(2, 2*(n_c + n_a) + 1), more_height(n_c + n_a))
+      allocate (more_left(2, n_c + n_a), more_kept(2, 2*(n_c + n_a)), more_height(n_c + n_a))
       call cut_along_all(n_c, vertices_c, n_a, vertices_a, offset_a, more_left, more_kept, more_height, area)
     end if
   end function overlap_polygon_polygon
@@ -35,7 +35,7 @@ contains
   pure subroutine cut_along_all(n_c, vertices_c, n_a, vertices_a, offset_a, left, kept, height, area)
     integer, intent(in) :: n_c, n_a
     real(wp), intent(in) :: vertices_c(2, n_c), vertices_a(2, n_a), offset_a(2)
-    real(wp), intent(inout) :: left(2, n_c + n_a), kept(2, 2*(n_c + n_a) + 1), height(n_c + n_a)
+    real(wp), intent(inout) :: left(2, n_c + n_a), kept(2, 2*(n_c + n_a)), height(n_c + n_a)
     real(wp), intent(out) :: area
     real(wp) :: edge(2)
     integer :: n, turn, i, next
@@ -112,7 +112,7 @@ contains
     real(wp), intent(inout) :: vertices(:, :) !! room for one vertex more, counter-clockwise [m], shape (2, :)
     real(wp), intent(in) :: point(2) !! a point of the line [m]
     real(wp), intent(in) :: normal(2) !! of the side that is cut off, any length
-    real(wp) :: kept(2, 2*n + 1), height(n)
+    real(wp) :: kept(2, 2*n), height(n)
 
     call clip_at(n, vertices, point, normal, kept, height)
   end subroutine clip
@@ -123,7 +123,7 @@ contains
     real(wp), intent(inout) :: vertices(:, :) !! vertices, as in `clip`
     real(wp), intent(in) :: point(2) !! a point of the line [m]
     real(wp), intent(in) :: normal(2) !! of the side that is cut off, any length
-    real(wp), intent(inout), contiguous :: kept(:, :) !! room for the vertices kept, shape (2, 2 n + 1) at least
+    real(wp), intent(inout), contiguous :: kept(:, :) !! room for the vertices kept, shape (2, 2 n) at least
     real(wp), intent(inout), contiguous :: height(:) !! room for their heights, shape (n) at least
     real(wp) :: highest, share
     integer :: i, next, n_kept, crosses
