@@ -8,7 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from program_case import ProgramCase, take_program  # noqa: E402
-from time_phases import summary  # noqa: E402
+from time_phases import phases_of, summary  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 #: What makes each scene small: its grains, and the walls about them
@@ -25,6 +25,13 @@ class Summary(unittest.TestCase):
         self.assertEqual(summary(rounds, None), {"solve": 3.0, "step": 7.0})
         self.assertEqual(summary(rounds, 0.1), {"solve": 1.0, "step": 5.0})
         self.assertEqual(summary(rounds, 0.5), {"solve": 3.0, "step": 9.0})
+
+    def test_rows_of_several_steps_give_times_of_one(self):
+        rows = [{"step": step} | {f"cpu_{name}": total for name in PHASES} for step, total in (("20", "0"), ("40", "1"), ("50", "1.5"))]
+        phases = phases_of(rows, "cpu")
+        self.assertEqual(phases["solve"], [50, 50])
+        # All phases but the measures.
+        self.assertEqual(phases["step"], [5 * 50, 5 * 50])
 
 
 class TimePhases(ProgramCase):

@@ -4,11 +4,11 @@
 Each deck, by default those of `input_decks/engines`, runs once, without pushes, until its grains rest; that state stays in
 the folder of states. Every program then goes on from it, in turns, by steps of a fixed number of plain sweeps: a few of them,
 and some more, from which follow the cost of a sweep and the fixed cost of a solve in sweeps. Every step is recorded, so that
-`measure` is the cost of a recorded step; `step` leaves it out, as it leaves out the output. Measures leave caches to the next step as
-no other does: with `--set output.record_every=20` times are means over 20 steps of which one is recorded. Of several rounds the one with the
-least time counts; or, with `--share 0.1`, what the least tenth of all single steps takes, which scatters less where other processes
-come and go. Times are CPU times; with `--ranks` or `--threads` each program runs on each of the numbers given, in turns too, and
-times are by the clock, of the first rank. Tables are in Markdown.
+`measure` is the cost of a recorded step; `step` leaves it out, as it leaves out the output. Measures leave the caches to the
+next step as nothing else does: with `--set output.record_every=20` times are means over 20 steps of which one is recorded.
+Of several rounds the one with the least time counts; or, with `--share 0.1`, what the least tenth of all single steps takes,
+which scatters less where other processes come and go. Times are CPU times; with `--ranks` or `--threads` each program runs on
+each of the numbers given, in turns too, and times are by the clock, of the first rank. Tables are in Markdown.
 """
 
 import argparse
@@ -70,12 +70,17 @@ def time_steps(variant, deck, state, settings, sweeps, steps):
     run(variant, deck, results, TIMED | settings | more, "--restart", str(state))
     with open(results / "record.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if int(row["step"]) >= done + FIRST_STEPS]
-    phases, times = {}, [int(row["step"]) for row in rows]
+    return phases_of(rows, variant.clock), rows[-1]
+
+
+def phases_of(rows, clock):
+    """Milliseconds per step of each phase between rows of a record that follow each other."""
+    numbers, phases = [int(row["step"]) for row in rows], {}
     for name in (*PHASES, "measure"):
-        totals = [1e3 * float(row[f"{variant.clock}_{name}"]) for row in rows]
-        phases[name] = [(totals[i] - totals[i - 1]) / (times[i] - times[i - 1]) for i in range(1, len(rows))]
+        totals = [1e3 * float(row[f"{clock}_{name}"]) for row in rows]
+        phases[name] = [(totals[i] - totals[i - 1]) / (numbers[i] - numbers[i - 1]) for i in range(1, len(rows))]
     phases["step"] = [sum(parts) for parts in zip(*(phases[name] for name in PHASES))]
-    return phases, rows[-1]
+    return phases
 
 
 def summary(rounds, share):
