@@ -1,5 +1,5 @@
 """`start` on a machine without packages for Python: help installs nothing, an apt-get that is locked is waited for, and so is another
-build in the same folder."""
+build in the same folder. Source checks come before builds."""
 
 import os
 import shutil
@@ -108,3 +108,14 @@ def test_sources_are_not_looked_through_again(start, tmp_path):
     # What a source includes must stay known, and what ninja finds already stays.
     assert (folder / "including.f90.o.ddi.d").read_text() == "/top/src/including.f90: \\\n /top/src/other.inc\n"
     assert (folder / "right.f90.o.ddi.d").read_text() == "CMakeFiles/core.dir/right.f90.o.ddi: \n"
+
+
+def test_a_finding_ends_before_anything_is_built(tmp_path):
+    shutil.copy(TOP / "start", tmp_path)
+    (tmp_path / ".ci").mkdir()
+    for name in ("check_layers", "draw_rooms"):
+        (tmp_path / ".ci" / name).write_text(f"import sys\nprint(*sys.argv)\nsys.exit({int(name == 'draw_rooms')})\n")
+    done = subprocess.run(["sh", tmp_path / "start", "test"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert done.stdout.splitlines() == [f"{tmp_path}/.ci/check_layers {tmp_path}", f"{tmp_path}/.ci/draw_rooms --check {tmp_path}"]
+    assert not (tmp_path / "build").exists()
