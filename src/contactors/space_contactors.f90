@@ -120,6 +120,6 @@ contains
     call move_alloc(from%edge, to%edge)
     call move_alloc(from%world_vertex, to%world_vertex)
     call move_alloc(from%world_normal, to%world_normal)
-    call move_alloc(from%world_offset, to%world_offset)
+    call move_alloc(from%face_height, to%face_height)
   end subroutine move_polyhedron
 end module sg_space_contactors

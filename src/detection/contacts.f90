@@ -13,7 +13,7 @@ module sg_contacts
   use sg_memory, only: memory_t
   implicit none
   private
-  public :: begin_like, contacts_t, copy_run, drop_contacts, grow_contacts, has_bonds, image_of, reserve_contacts
+  public :: begin_like, contacts_t, copy_run, drop_contacts, grow_contacts, has_bonds, image_of, is_own_image, reserve_contacts
   public :: normal_impulse, normal_impulses, impulse_vector, moment_vector
 
   !> All contacts of one step
@@ -198,6 +198,16 @@ contains
     if (allocated(contacts%image_y)) image(2) = int(contacts%image_y(k))
     if (allocated(contacts%image_z)) image(3) = int(contacts%image_z(k))
   end function image_of
+
+  !> Does the candidate meet the antagonist itself, not an image of it?
+  pure logical function is_own_image(contacts, k)
+    type(contacts_t), intent(in) :: contacts !! contacts of the step
+    integer, intent(in) :: k !! contact
+
+    is_own_image = contacts%image(k) == 0
+    if (allocated(contacts%image_y)) is_own_image = is_own_image .and. contacts%image_y(k) == 0
+    if (allocated(contacts%image_z)) is_own_image = is_own_image .and. contacts%image_z(k) == 0
+  end function is_own_image
 
   !> Are there cohesive zones among the laws in use?
   pure logical function has_bonds(contacts)

@@ -42,6 +42,10 @@ contains
     do c = 1, scene%contactors%n
       if (scene%contactors%body(c) > scene%bodies%n_own) cycle
       if (.not. scene%bodies%is_grain(scene%contactors%body(c))) cycle
+      associate (centre => scene%contactors%centre(:, c), reach => scene%contactors%reach(c))
+        ! Nearly all grains: nothing of them stands out.
+        if (all(centre - reach >= box(:, 1)) .and. all(centre + reach <= box(:, 2))) cycle
+      end associate
       if (scene%dimension == 3) then
         corner = extent_in_space(scene%contactors, c)
       else
@@ -108,15 +112,21 @@ contains
     type(contactors_t), intent(in) :: contactors
     integer, intent(in) :: c
     real(wp) :: corner(3, 2), reach(3)
-    integer :: row
+    integer :: row, i
 
     row = contactors%row(c)
     reach = contactors%reach(c)
     associate (space => contactors%space)
       select case (contactors%kind(c))
       case (kind_polyhedron)
-        corner(:, 1) = minval(space%polyhedra(row)%world_vertex, 2)
-        corner(:, 2) = maxval(space%polyhedra(row)%world_vertex, 2)
+        associate (vertex => space%polyhedra(row)%world_vertex)
+          corner(:, 1) = vertex(:, 1)
+          corner(:, 2) = vertex(:, 1)
+          do i = 2, size(vertex, 2)
+            corner(:, 1) = min(corner(:, 1), vertex(:, i))
+            corner(:, 2) = max(corner(:, 2), vertex(:, i))
+          end do
+        end associate
         return
       case (kind_plane)
         reach = space%plane_half(:, row)

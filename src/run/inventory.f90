@@ -93,7 +93,7 @@ contains
     call tables%note('edge', polyhedron%edge)
     call tables%note('world_vertex', polyhedron%world_vertex)
     call tables%note('world_normal', polyhedron%world_normal)
-    call tables%note('world_offset', polyhedron%world_offset)
+    call tables%note('face_height', polyhedron%face_height)
     bytes = tables%bytes_per(per_body) + storage_size(polyhedron)/8
   end function bytes_of
 

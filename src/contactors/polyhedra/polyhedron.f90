@@ -18,8 +18,10 @@ module sg_polyhedron
     real(wp), allocatable :: normal(:, :)
     !> Edges, shape (4, n_edges): its two vertices, the face that runs along it from first to second, and the other face
     integer(i4), allocatable :: edge(:, :)
-    !> The same vertices and normals in the detection configuration; n.x of each face's plane, shape (n_faces)
-    real(wp), allocatable :: world_vertex(:, :), world_normal(:, :), world_offset(:)
+    !> Height of each face's plane above the contactor's centre [m], shape (n_faces)
+    real(wp), allocatable :: face_height(:)
+    !> The same vertices and normals in the detection configuration
+    real(wp), allocatable :: world_vertex(:, :), world_normal(:, :)
     !> Centre in the detection configuration [m], and radius about it that holds the shape
     real(wp) :: centre(3) = 0, reach = 0
   end type polyhedron_t
@@ -37,8 +39,11 @@ contains
 
     square = 0
     if (.not. allocated(shape%world_vertex)) then
-      allocate (shape%world_vertex(3, shape%n_vertices), shape%world_normal(3, shape%n_faces), shape%world_offset(shape%n_faces))
+      allocate (shape%world_vertex(3, shape%n_vertices), shape%world_normal(3, shape%n_faces), shape%face_height(shape%n_faces))
       shape%world_vertex = spread(centre, 2, shape%n_vertices)
+      do i = 1, shape%n_faces
+        shape%face_height(i) = dot_product(shape%normal(:, i), shape%vertex(:, shape%face_vertex(shape%face_first(i))))
+      end do
     end if
     shape%centre = centre
     do i = 1, shape%n_vertices
@@ -51,7 +56,6 @@ contains
     if (present(path)) path = longer_path(path, square)
     do i = 1, shape%n_faces
       shape%world_normal(:, i) = frame(:, 1)*shape%normal(1, i) + frame(:, 2)*shape%normal(2, i) + frame(:, 3)*shape%normal(3, i)
-      shape%world_offset(i) = dot_product(shape%world_normal(:, i), shape%world_vertex(:, shape%face_vertex(shape%face_first(i))))
     end do
   end subroutine place_polyhedron
 end module sg_polyhedron

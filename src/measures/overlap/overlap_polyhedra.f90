@@ -20,9 +20,10 @@ module sg_overlap_polyhedra
     !> What is left of the candidate, and room to cut it
     type(solid_t) :: solid
     type(solid_room_t) :: cuts
-    !> Of each plane its height above the candidate's centre [m], and the cosine between its normal and the direction; those of the
-    !! other shape
-    real(wp), allocatable :: height(:), facing(:), other(:)
+    !> Of each plane its height above the candidate's centre [m], and the cosine between its normal and the direction
+    real(wp), allocatable :: height(:), facing(:)
+    !> Cosines of the other shape; then how far what is left stands out of each plane [m]
+    real(wp), allocatable :: other(:)
     !> Planes that may cut
     integer, allocatable :: plane(:)
   end type overlap_room_t
@@ -47,7 +48,8 @@ contains
     real(wp), intent(in) :: direction(3) !! unit vector: least work where they overlap least along it, as along a contact normal
     type(overlap_room_t), intent(inout) :: room !! room for the work
     real(wp), intent(out) :: volume !! volume shared [m3]
-    real(wp) :: shift(3), own, square
+    real(wp) :: shift(3)
+    integer :: own, square
 
     volume = 0
     shift = antagonist%centre + offset - candidate%centre
@@ -55,54 +57,60 @@ contains
     call make_room(room, max(candidate%n_faces, antagonist%n_faces))
     call find_facing(candidate%n_faces, candidate%world_normal, -direction, room%other, own)
     call find_facing(antagonist%n_faces, antagonist%world_normal, direction, room%facing, square)
-    if (own > square) then
+    if (room%other(own) > room%facing(square)) then
       room%facing(:candidate%n_faces) = room%other(:candidate%n_faces)
-      call cut_by_faces(antagonist, candidate, -offset, -direction, room, volume)
+      call cut_by_faces(antagonist, candidate, -offset, -direction, own, room, volume)
     else
-      call cut_by_faces(candidate, antagonist, offset, direction, room, volume)
+      call cut_by_faces(candidate, antagonist, offset, direction, square, room, volume)
     end if
   end subroutine measure_polyhedra
 
-  !> Cosines between normals and a direction, and the largest of them.
-  pure subroutine find_facing(n, normal, direction, facing, largest)
+  !> Cosines between normals and a direction, and the normal that has the largest.
+  pure subroutine find_facing(n, normal, direction, facing, first)
     integer, intent(in) :: n !! normals
     real(wp), intent(in), contiguous :: normal(:, :)
     real(wp), intent(in) :: direction(3)
     real(wp), intent(inout), contiguous :: facing(:)
-    real(wp), intent(out) :: largest
+    integer, intent(out) :: first
+    real(wp) :: largest
     integer :: f
 
-    largest = -1
+    largest = -2
     do f = 1, n
       facing(f) = normal(1, f)*direction(1) + normal(2, f)*direction(2) + normal(3, f)*direction(3)
       largest = max(largest, facing(f))
     end do
+    do first = 1, n - 1
+      if (facing(first) >= largest) exit
+    end do
   end subroutine find_facing
 
-  !> Volume of a polyhedron within another [m3]: arguments as in `measure_polyhedra`; cosines of the antagonist's faces are known.
-  pure subroutine cut_by_faces(candidate, antagonist, offset, direction, room, volume)
+  !> Volume of a polyhedron within another [m3]: arguments as in `measure_polyhedra`; cosines of the antagonist's faces are known,
+  !! and the face that has the largest.
+  pure subroutine cut_by_faces(candidate, antagonist, offset, direction, first, room, volume)
     type(polyhedron_t), intent(in) :: candidate, antagonist
     real(wp), intent(in) :: offset(3), direction(3)
+    integer, intent(in) :: first
     type(overlap_room_t), intent(inout) :: room
     real(wp), intent(out) :: volume
-    real(wp) :: shift(3), v(3), top
+    real(wp) :: shift(3), top
     integer :: f, i
 
-    shift = offset - candidate%centre
-    do f = 1, antagonist%n_faces
-      associate (n => antagonist%world_normal(:, f))
-        v = antagonist%world_vertex(:, antagonist%face_vertex(antagonist%face_first(f))) + shift
-        room%height(f) = n(1)*v(1) + n(2)*v(2) + n(3)*v(3)
-      end associate
-    end do
+    shift = antagonist%centre + offset - candidate%centre
+    associate (n => antagonist%world_normal)
+      do f = 1, antagonist%n_faces
+        room%height(f) = antagonist%face_height(f) + n(1, f)*shift(1) + n(2, f)*shift(2) + n(3, f)*shift(3)
+      end do
+    end associate
     top = huge(top)
-    if (.not. maxval(room%facing(:antagonist%n_faces)) > across) then
+    if (.not. room%facing(first) > across) then
       top = -huge(top)
+      shift = offset - candidate%centre
       do i = 1, antagonist%n_vertices
         top = max(top, dot_product(direction, antagonist%world_vertex(:, i) + shift))
       end do
     end if
-    call measure_below(candidate, antagonist%n_faces, antagonist%world_normal, direction, top, room, volume)
+    call measure_below(candidate, antagonist%n_faces, antagonist%world_normal, first, direction, top, room, volume)
   end subroutine cut_by_faces
 
   !> Volume shared by a convex polyhedron and a plane (PLANx), which is a box [m3].
@@ -125,8 +133,8 @@ contains
     real(wp), intent(in) :: direction(3) !! unit vector, as in `measure_polyhedra`
     type(overlap_room_t), intent(inout) :: room !! room for the work
     real(wp), intent(out) :: volume !! volume shared [m3]
-    real(wp) :: normal(3, 6), top, largest
-    integer :: i
+    real(wp) :: normal(3, 6), top
+    integer :: i, first
 
     call make_room(room, 6)
     top = dot_product(direction, centre_a - candidate%centre)
@@ -136,8 +144,8 @@ contains
       room%height(2*i - 1:2*i) = half(i) + [1.0_wp, -1.0_wp]*dot_product(frame(:, i), centre_a - candidate%centre)
       top = top + half(i)*abs(dot_product(direction, frame(:, i)))
     end do
-    call find_facing(6, normal, direction, room%facing, largest)
-    call measure_below(candidate, 6, normal, direction, top, room, volume)
+    call find_facing(6, normal, direction, room%facing, first)
+    call measure_below(candidate, 6, normal, first, direction, top, room, volume)
   end subroutine measure_polyhedron_plane
 
   !> Volume shared by a sphere and a convex polyhedron [m3].
@@ -167,31 +175,28 @@ contains
       if (size(room%height) >= n_planes) return
       deallocate (room%height, room%facing, room%other, room%plane)
     end if
-    allocate (room%height(2*n_planes), room%facing(2*n_planes), room%other(2*n_planes), room%plane(4*n_planes))
+    allocate (room%height(2*n_planes), room%facing(2*n_planes), room%other(2*n_planes), room%plane(2*n_planes + 1))
   end subroutine make_room
 
   !> Volume of the part of a polyhedron below planes [m3], which bound a convex shape.
   !!
   !! A first cut, at the highest point of that shape along the direction, leaves a slice that most planes do not cut. Planes that
   !! face the direction come before the others, which then find still less.
-  pure subroutine measure_below(shape, n_planes, normal, direction, top, room, volume)
+  pure subroutine measure_below(shape, n_planes, normal, facing_most, direction, top, room, volume)
     type(polyhedron_t), intent(in) :: shape !! placed polyhedron
     integer, intent(in) :: n_planes !! number of planes; their heights above the polyhedron's centre are in the room [m]
     real(wp), intent(in) :: normal(:, :) !! their unit normals, to the side cut off, shape (3, n_planes)
+    integer, intent(in) :: facing_most !! plane that has the largest cosine
     real(wp), intent(in) :: direction(3) !! unit vector
     real(wp), intent(in) :: top !! highest point of the convex shape along it, above the polyhedron's centre [m]
     type(overlap_room_t), intent(inout) :: room
     real(wp), intent(out) :: volume
-    real(wp) :: middle(3), reach
     integer :: f, first, n
 
-    first = 1
-    do f = 2, n_planes
-      if (room%facing(f) > room%facing(first)) first = f
-    end do
     volume = 0
     ! A plane nearly across the direction leaves such a slice itself.
-    if (.not. room%facing(first) > across) first = 0
+    first = 0
+    if (room%facing(facing_most) > across) first = facing_most
     associate (solid => room%solid, centre => shape%centre)
       if (first > 0) then
         call cut_first(shape%n_vertices, shape%n_faces, shape%world_vertex, centre, shape%face_first, shape%face_vertex, &
@@ -201,8 +206,7 @@ contains
                        direction, top, room%cuts, solid)
       end if
       if (solid%n_faces == 0) return
-      call find_ball(solid, middle, reach)
-      call list_planes(n_planes, normal, room%height, room%facing, middle, reach, first, room%plane, n)
+      call list_planes(n_planes, normal, room%height, room%facing, first, solid%n_vertices, solid%vertex, room%other, room%plane, n)
       do f = 1, n
         call cut(solid, normal(:, room%plane(f)), room%height(room%plane(f)), room%cuts)
         if (solid%n_faces == 0) return
@@ -211,53 +215,31 @@ contains
     end associate
   end subroutine measure_below
 
-  !> List the planes that may cut a ball, without the one that has: those that face the direction before the others.
-  pure subroutine list_planes(n_planes, normal, height, facing, middle, reach, first, plane, n)
-    integer, intent(in) :: n_planes
-    real(wp), intent(in) :: normal(3, n_planes), height(n_planes), facing(n_planes), middle(3), reach
-    integer, intent(in) :: first !! plane that has cut, 0 for none
-    integer, intent(inout) :: plane(2*n_planes)
+  !> List the planes that cut a solid, without the one that has: those that face the direction before the others.
+  pure subroutine list_planes(n_planes, normal, height, facing, first, n_vertices, vertex, excess, plane, n)
+    integer, intent(in) :: n_planes, first, n_vertices
+    real(wp), intent(in) :: normal(3, n_planes), height(n_planes), facing(n_planes), vertex(3, n_vertices)
+    real(wp), intent(inout) :: excess(n_planes) !! gets how far the solid stands out of each plane
+    integer, intent(inout) :: plane(n_planes + 1)
     integer, intent(out) :: n
-    integer :: f, n_behind
+    integer :: f, i
 
+    excess = 0
+    do i = 1, n_vertices
+      do f = 1, n_planes
+        excess(f) = max(excess(f), normal(1, f)*vertex(1, i) + normal(2, f)*vertex(2, i) + normal(3, f)*vertex(3, i) - height(f))
+      end do
+    end do
+    if (first > 0) excess(first) = 0
+    ! Without branches: which planes cut is as good as random.
     n = 0
-    n_behind = 0
     do f = 1, n_planes
-      if (normal(1, f)*middle(1) + normal(2, f)*middle(2) + normal(3, f)*middle(3) + reach <= height(f) .or. f == first) cycle
-      if (facing(f) > 0) then
-        n = n + 1
-        plane(n) = f
-      else
-        n_behind = n_behind + 1
-        plane(n_planes + n_behind) = f
-      end if
+      plane(n + 1) = f
+      n = n + merge(1, 0, excess(f) > 0 .and. facing(f) > 0)
     end do
-    do f = 1, n_behind
-      plane(n + f) = plane(n_planes + f)
+    do f = 1, n_planes
+      plane(n + 1) = f
+      n = n + merge(1, 0, excess(f) > 0 .and. .not. facing(f) > 0)
     end do
-    n = n + n_behind
   end subroutine list_planes
-
-  !> A ball about the vertices of a solid, a little larger than need be for rounding.
-  pure subroutine find_ball(solid, middle, reach)
-    type(solid_t), intent(in) :: solid
-    real(wp), intent(out) :: middle(3), reach
-    real(wp), parameter :: slack = 1 + 1e-9_wp
-    real(wp) :: low(3), high(3)
-    integer :: i
-
-    low = solid%vertex(:, 1)
-    high = low
-    do i = 2, solid%n_vertices
-      low = min(low, solid%vertex(:, i))
-      high = max(high, solid%vertex(:, i))
-    end do
-    middle = (low + high)/2
-    reach = 0
-    do i = 1, solid%n_vertices
-      reach = max(reach, (solid%vertex(1, i) - middle(1))**2 + (solid%vertex(2, i) - middle(2))**2 &
-                  + (solid%vertex(3, i) - middle(3))**2)
-    end do
-    reach = slack*sqrt(reach)
-  end subroutine find_ball
 end module sg_overlap_polyhedra

@@ -10,6 +10,9 @@ module sg_overlap_solid
   private
   public :: solid_t, solid_room_t, box_solid, cut, cut_first, solid_volume
 
+  !> The centre of solids that are cut again
+  real(wp), parameter :: at_origin(3) = 0
+
   !> A closed surface
   type :: solid_t
     !> Numbers of vertices and faces
@@ -28,15 +31,16 @@ module sg_overlap_solid
     private
     !> Vertices and corners of faces of a solid that find room
     integer :: vertices = 0, corners = 0
-    !> What is left by a cut, which then changes places with the solid; and the vertices of one that is cut first
+    !> What is left by a cut, which then changes places with the solid
     type(solid_t) :: left
-    real(wp), allocatable :: vertex(:, :)
     !> Height of each vertex above the plane, and its number after the cut, 0 above
     real(wp), allocatable :: above(:)
     integer, allocatable :: kept(:)
     !> Edges crossed, shape (2, :), the crossing that follows each on the loop of the hole, and crossings done
     integer, allocatable :: edge(:, :), after(:)
     logical, allocatable :: is_done(:)
+    !> Places where the loop of a face comes down through the plane, see `cut_face`
+    integer, allocatable :: back(:, :)
     !> Face before the cut that each face is part of; 0 for that of the plane
     integer, allocatable :: origin(:)
   end type solid_room_t
@@ -115,7 +119,7 @@ contains
     integer :: n_above, n_below
 
     call make_room(solid%n_vertices, solid%face_first(solid%n_faces + 1) - 1, room)
-    call find_heights(solid%n_vertices, solid%vertex, normal, height, room%above, n_above, n_below)
+    call find_heights(solid%n_vertices, solid%vertex, at_origin, normal, height, room%above, n_above, n_below)
     if (n_below == solid%n_vertices) return
     if (n_above == solid%n_vertices) then
       solid%n_vertices = 0
@@ -135,35 +139,34 @@ contains
     real(wp), intent(in) :: height !! of the plane along the normal, above the centre
     type(solid_room_t), intent(inout) :: room !! room for the work
     type(solid_t), intent(inout) :: solid !! what is left; without faces when that is nothing
-    integer :: i, n_above, n_below, corners
+    integer :: n_above, n_below, corners
 
     solid%has_normals = .false.
     corners = face_first(n_faces + 1) - 1
     call make_room(n_vertices, corners, room)
-    do i = 1, n_vertices
-      room%vertex(:, i) = vertex(:, i) - centre
-    end do
-    call find_heights(n_vertices, room%vertex, normal, height, room%above, n_above, n_below)
+    call find_heights(n_vertices, vertex, centre, normal, height, room%above, n_above, n_below)
     call reserve_solid(solid, n_vertices + corners, n_faces + corners, 4*corners)
     if (n_above == n_vertices .and. n_below < n_vertices) return
-    call leave_below(n_vertices, n_faces, room%vertex, face_first, face_vertex, room%above, room%kept, room%edge, room%after, &
-                     room%is_done, solid%n_vertices, solid%n_faces, solid%vertex, solid%face_first, solid%face_vertex, room%origin)
+    call leave_below(n_vertices, n_faces, vertex, centre, face_first, face_vertex, room%above, room%kept, room%edge, room%back, &
+                     room%after, room%is_done, solid%n_vertices, solid%n_faces, solid%vertex, solid%face_first, &
+                     solid%face_vertex, room%origin)
   end subroutine cut_first
 
   !> Heights of vertices above a plane, and how many lie on it or above, on it or below.
-  pure subroutine find_heights(n, vertex, normal, height, above, n_above, n_below)
+  pure subroutine find_heights(n, vertex, centre, normal, height, above, n_above, n_below)
     integer, intent(in) :: n
-    real(wp), intent(in) :: vertex(:, :), normal(3), height
-    real(wp), intent(inout) :: above(:)
+    real(wp), intent(in) :: vertex(3, *), centre(3), normal(3), height !! the plane is about the centre
+    real(wp), intent(inout) :: above(*)
     integer, intent(out) :: n_above, n_below
     integer :: i
 
     n_above = 0
     n_below = 0
     do i = 1, n
-      above(i) = normal(1)*vertex(1, i) + normal(2)*vertex(2, i) + normal(3)*vertex(3, i) - height
-      if (above(i) <= 0) n_below = n_below + 1
-      if (above(i) >= 0) n_above = n_above + 1
+      above(i) = normal(1)*(vertex(1, i) - centre(1)) + normal(2)*(vertex(2, i) - centre(2)) &
+                 + normal(3)*(vertex(3, i) - centre(3)) - height
+      n_below = n_below + merge(1, 0, above(i) <= 0)
+      n_above = n_above + merge(1, 0, above(i) >= 0)
     end do
   end subroutine find_heights
 
@@ -173,10 +176,10 @@ contains
     type(solid_room_t), intent(inout) :: room
 
     if (room%corners >= corners .and. room%vertices >= n_vertices) return
-    if (allocated(room%above)) deallocate (room%above, room%kept, room%edge, room%after, room%is_done, room%vertex, room%origin)
+    if (allocated(room%above)) deallocate (room%above, room%kept, room%edge, room%after, room%is_done, room%back, room%origin)
     room%corners = 2*corners
     room%vertices = 2*n_vertices
-    allocate (room%above(room%vertices), room%kept(room%vertices), room%vertex(3, room%vertices))
+    allocate (room%above(room%vertices), room%kept(room%vertices), room%back(4, room%corners))
     allocate (room%edge(2, room%corners), room%after(room%corners), room%is_done(room%corners), room%origin(2*room%corners))
   end subroutine make_room
 
@@ -207,9 +210,9 @@ contains
     call reserve_solid(room%left, solid%n_vertices + n_corners, solid%n_faces + n_corners, 4*n_corners)
     associate (left => room%left)
       left%has_normals = solid%has_normals
-      call leave_below(solid%n_vertices, solid%n_faces, solid%vertex, solid%face_first, solid%face_vertex, room%above, room%kept, &
-                       room%edge, room%after, room%is_done, left%n_vertices, left%n_faces, left%vertex, left%face_first, &
-                       left%face_vertex, room%origin)
+      call leave_below(solid%n_vertices, solid%n_faces, solid%vertex, at_origin, solid%face_first, solid%face_vertex, room%above, &
+                       room%kept, room%edge, room%back, room%after, room%is_done, left%n_vertices, left%n_faces, left%vertex, &
+                       left%face_first, left%face_vertex, room%origin)
       if (left%has_normals) then
         do f = 1, left%n_faces
           if (room%origin(f) == 0) left%normal(:, f) = normal
@@ -222,17 +225,17 @@ contains
 
   !> Put into arrays what of a solid lies below a plane: kept vertices, then crossings of edges; kept faces, cut ones, that of the
   !! plane.
-  pure subroutine leave_below(n_vertices, n_faces, vertex, face_first, face_vertex, above, kept, edge, after, is_done, n_left, &
-                              n_left_faces, left_vertex, left_first, left_corner, origin)
+  pure subroutine leave_below(n_vertices, n_faces, vertex, centre, face_first, face_vertex, above, kept, edge, back, after, &
+                              is_done, n_left, n_left_faces, left_vertex, left_first, left_corner, origin)
     integer, intent(in) :: n_vertices, n_faces, face_first(*), face_vertex(*)
-    real(wp), intent(in) :: vertex(3, *)
+    real(wp), intent(in) :: vertex(3, *), centre(3) !! vertices; what is left is about the centre
     real(wp), intent(in) :: above(*) !! heights of the vertices above the plane
-    integer, intent(inout) :: kept(*), edge(2, *), after(*) !! room for the work
+    integer, intent(inout) :: kept(*), edge(2, *), back(4, *), after(*) !! room for the work
     logical, intent(inout) :: is_done(*)
     integer, intent(out) :: n_left, n_left_faces !! vertices and faces left
     real(wp), intent(inout) :: left_vertex(3, *)
     integer, intent(inout) :: left_first(*), left_corner(*), origin(*)
-    integer :: f, i, n, n_kept, n_crossed, first, last
+    integer :: f, i, n, n_kept, n_crossed, n_below, n_loop, first
 
     n_kept = 0
     do i = 1, n_vertices
@@ -240,9 +243,9 @@ contains
       if (above(i) > 0) cycle
       n_kept = n_kept + 1
       kept(i) = n_kept
-      left_vertex(1, n_kept) = vertex(1, i)
-      left_vertex(2, n_kept) = vertex(2, i)
-      left_vertex(3, n_kept) = vertex(3, i)
+      left_vertex(1, n_kept) = vertex(1, i) - centre(1)
+      left_vertex(2, n_kept) = vertex(2, i) - centre(2)
+      left_vertex(3, n_kept) = vertex(3, i) - centre(3)
     end do
     n = 0
     n_crossed = 0
@@ -250,18 +253,27 @@ contains
     left_first(1) = 1
     do f = 1, n_faces
       first = face_first(f)
-      last = face_first(f + 1) - 1
-      do i = first, last
-        if (kept(face_vertex(i)) > 0) exit
+      n_loop = face_first(f + 1) - first
+      n_below = 0
+      do i = first, first + n_loop - 1
+        n_below = n_below + min(kept(face_vertex(i)), 1)
       end do
-      if (i > last) cycle
-      call cut_face(last - first + 1, face_vertex(first), vertex, above, kept, n_kept, edge, after, n_crossed, left_vertex, n, &
-                    left_corner)
+      if (n_below == 0) cycle
+      if (n_below == n_loop) then
+        do i = 1, n_loop
+          left_corner(n + i) = kept(face_vertex(first + i - 1))
+        end do
+        n = n + n_loop
+      else
+        call cut_face(n_loop, face_vertex(first), n_below, vertex, centre, above, kept, n_kept, edge, n_crossed, back, &
+                      left_vertex, n, left_corner)
+      end if
       n_left_faces = n_left_faces + 1
       left_first(n_left_faces + 1) = n + 1
       origin(n_left_faces) = f
     end do
     n_left = n_kept + n_crossed
+    call join_crossings(n_crossed, edge, back, n_kept, after, left_corner)
     call close_hole(n_crossed, after, n_kept, is_done, n_left_faces, left_first, left_corner, origin)
   end subroutine leave_below
 
@@ -294,68 +306,73 @@ contains
     call move_alloc(integers, b%face_vertex)
   end subroutine exchange
 
-  !> Cut one face; where its loop leaves and comes back, the hole's loop runs from the way back to the way out.
-  pure subroutine cut_face(n_loop, loop, vertex, above, kept, n_kept, edge, after, n_crossed, left_vertex, n, left_corner)
-    integer, intent(in) :: n_loop, loop(*) !! vertices of the face
-    real(wp), intent(in) :: vertex(3, *), above(*) !! vertices of the solid before the cut, and their heights above the plane
+  !> Cut one face. Of each run of vertices that stay, one (of a convex face, unless rounding makes more), what is left comes down at
+  !! a crossing of the face beyond, follows the run and goes up at a new one.
+  pure subroutine cut_face(n_loop, loop, n_below, vertex, centre, above, kept, n_kept, edge, n_crossed, back, left_vertex, &
+                           n, left_corner)
+    integer, intent(in) :: n_loop, loop(*), n_below !! vertices of the face, and how many of them stay
+    real(wp), intent(in) :: vertex(3, *), centre(3) !! vertices of the solid before the cut, and what crossings are about
+    real(wp), intent(in) :: above(*) !! heights of the vertices above the plane
     integer, intent(in) :: kept(*), n_kept !! their numbers after the cut, 0 above it; those that stay
-    integer, intent(inout) :: edge(2, *) !! edges crossed so far, lower vertex first
-    integer, intent(inout) :: after(*) !! the crossing that follows each on the loop of the hole
-    integer, intent(inout) :: n_crossed !! how many
+    integer, intent(inout) :: edge(2, *), n_crossed !! edges crossed so far, from below to above
+    !> Ways down, as many as crossings: corner, edge from below to above, crossing that follows on the loop of the hole
+    integer, intent(inout) :: back(4, *)
     real(wp), intent(inout) :: left_vertex(3, *) !! gets new crossings
     integer, intent(inout) :: n, left_corner(*) !! corners so far; gets those of the face
-    integer :: i, from, to, crossing, way_out, first_back
+    real(wp) :: share
+    integer :: i, from, to, last_crossed, last_corner
 
-    way_out = 0
-    first_back = 0
-    from = loop(1)
-    do i = 1, n_loop
-      to = loop(1)
-      if (i < n_loop) to = loop(i + 1)
-      if (kept(from) > 0) then
+    last_crossed = n_crossed
+    last_corner = n + n_below
+    i = 0
+    to = loop(n_loop)
+    do while (n < last_corner)
+      ! To where a run starts
+      do
+        from = to
+        i = merge(i + 1, 1, i < n_loop)
+        to = loop(i)
+        if (kept(from) == 0 .and. kept(to) > 0) exit
+      end do
+      n_crossed = n_crossed + 1
+      n = n + 1
+      ! The hole's loop goes on where the run before this one went up.
+      back(:, n_crossed) = [n, to, from, n_crossed - 1]
+      do while (kept(to) > 0)
         n = n + 1
-        left_corner(n) = kept(from)
-      end if
-      if ((kept(from) > 0) .neqv. (kept(to) > 0)) then
-        call find_crossing(vertex, above, min(from, to), max(from, to), edge, after, n_crossed, crossing, n_kept, left_vertex)
-        n = n + 1
-        left_corner(n) = n_kept + crossing
-        if (kept(from) > 0) then
-          way_out = crossing
-        else if (way_out > 0) then
-          after(crossing) = way_out
-          way_out = 0
-        else
-          first_back = crossing
-        end if
-      end if
-      from = to
+        left_corner(n) = kept(to)
+        from = to
+        i = merge(i + 1, 1, i < n_loop)
+        to = loop(i)
+      end do
+      edge(1, n_crossed) = from
+      edge(2, n_crossed) = to
+      share = above(from)/(above(from) - above(to))
+      left_vertex(1, n_kept + n_crossed) = vertex(1, from) - centre(1) + share*(vertex(1, to) - vertex(1, from))
+      left_vertex(2, n_kept + n_crossed) = vertex(2, from) - centre(2) + share*(vertex(2, to) - vertex(2, from))
+      left_vertex(3, n_kept + n_crossed) = vertex(3, from) - centre(3) + share*(vertex(3, to) - vertex(3, from))
+      n = n + 1
+      left_corner(n) = n_kept + n_crossed
+      last_corner = last_corner + 2
     end do
-    if (first_back > 0) after(first_back) = way_out
+    back(4, last_crossed + 1) = n_crossed
   end subroutine cut_face
 
-  !> The crossing of an edge with the plane: the one made for the other face of the edge, or a new one.
-  pure subroutine find_crossing(vertex, above, low, high, edge, after, n_crossed, crossing, n_kept, left_vertex)
-    real(wp), intent(in) :: vertex(3, *), above(*)
-    integer, intent(in) :: low, high, n_kept
-    integer, intent(inout) :: edge(2, *), after(*), n_crossed
-    integer, intent(out) :: crossing
-    real(wp), intent(inout) :: left_vertex(3, *)
-    real(wp) :: share
+  !> Give each way down the crossing of its edge, each crossing once; after it the hole's loop goes on with the way up.
+  pure subroutine join_crossings(n_crossed, edge, back, n_kept, after, left_corner)
+    integer, intent(in) :: n_crossed, back(4, *), n_kept
+    integer, intent(inout) :: edge(2, *), after(*), left_corner(*)
+    integer :: b, crossing
 
-    do crossing = 1, n_crossed
-      if (edge(1, crossing) == low .and. edge(2, crossing) == high) return
+    do b = 1, n_crossed
+      do crossing = 1, n_crossed
+        if (edge(1, crossing) == back(2, b) .and. edge(2, crossing) == back(3, b)) exit
+      end do
+      edge(1, crossing) = 0
+      after(crossing) = back(4, b)
+      left_corner(back(1, b)) = n_kept + crossing
     end do
-    n_crossed = n_crossed + 1
-    crossing = n_crossed
-    edge(1, crossing) = low
-    edge(2, crossing) = high
-    after(crossing) = 0
-    share = above(low)/(above(low) - above(high))
-    left_vertex(1, n_kept + crossing) = vertex(1, low) + share*(vertex(1, high) - vertex(1, low))
-    left_vertex(2, n_kept + crossing) = vertex(2, low) + share*(vertex(2, high) - vertex(2, low))
-    left_vertex(3, n_kept + crossing) = vertex(3, low) + share*(vertex(3, high) - vertex(3, low))
-  end subroutine find_crossing
+  end subroutine join_crossings
 
   !> Close the hole of a cut by faces along the loops of its crossings (one loop, unless rounding makes more).
   pure subroutine close_hole(n_crossed, after, n_kept, is_done, n_left_faces, left_first, left_corner, origin)

@@ -27,13 +27,13 @@ module sg_overlap_spheres
 
 contains
 
-  !> Volume shared by two spheres [m3]: two caps, whose heights come from products and keep their digits.
+  !> Volume shared by two spheres [m3]: two caps, whose sum has the depth squared before it and so keeps its digits.
   pure real(wp) function overlap_sphere_sphere(centre_c, radius_c, centre_a, radius_a) result(volume)
     real(wp), intent(in) :: centre_c(3) !! centre of the candidate [m]
     real(wp), intent(in) :: radius_c !! radius of the candidate [m]
     real(wp), intent(in) :: centre_a(3) !! centre of the antagonist [m]
     real(wp), intent(in) :: radius_a !! radius of the antagonist [m]
-    real(wp) :: distance, depth, cap_c, cap_a
+    real(wp) :: distance, depth
 
     distance = sqrt((centre_c(1) - centre_a(1))**2 + (centre_c(2) - centre_a(2))**2 + (centre_c(3) - centre_a(3))**2)
     depth = radius_c + radius_a - distance
@@ -42,9 +42,7 @@ contains
     else if (distance <= abs(radius_c - radius_a)) then
       volume = 4*pi*min(radius_c, radius_a)**3/3
     else
-      cap_c = depth*(radius_a + distance - radius_c)/(2*distance)
-      cap_a = depth*(radius_c + distance - radius_a)/(2*distance)
-      volume = pi*(cap_c**2*(3*radius_c - cap_c) + cap_a**2*(3*radius_a - cap_a))/3
+      volume = pi*depth**2*(distance**2 + 2*distance*(radius_c + radius_a) - 3*(radius_c - radius_a)**2)/(12*distance)
     end if
   end function overlap_sphere_sphere
 

@@ -304,7 +304,7 @@ contains
 
     is_inside = .true.
     do f = 1, shape%n_faces
-      is_inside = is_inside .and. dot_product(shape%world_normal(:, f), point) <= shape%world_offset(f)
+      is_inside = is_inside .and. dot_product(shape%world_normal(:, f), point - shape%centre) <= shape%face_height(f)
     end do
   end function is_inside
 

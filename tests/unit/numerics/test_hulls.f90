@@ -119,7 +119,8 @@ contains
     call none(t, error, 'the largest random polyhedron')
     call check_whole(t, shape, most_vertices, 3*most_vertices - 6, 2*most_vertices - 4, 'largest random polyhedron')
     call place_polyhedron(shape, [1.0_wp, 2.0_wp, 3.0_wp], frame_of([0.5_wp, 0.5_wp, 0.5_wp, 0.5_wp]))
-    call t%check(all([(maxval(matmul(shape%world_normal(:, f), shape%world_vertex)) < shape%world_offset(f) + rounding, &
+    call t%check(all([(maxval(matmul(shape%world_normal(:, f), shape%world_vertex)) &
+                       < dot_product(shape%world_normal(:, f), shape%centre) + shape%face_height(f) + rounding, &
                        f=1, shape%n_faces)]), 'placed in the world no vertex stands out')
   end subroutine test_large_random
 
