@@ -1,9 +1,10 @@
-!> Solids cut by planes: faces of which more than one run of vertices stays, and both sides of any plane add up to the whole.
+!> Solids cut by planes: faces of which more than one run of vertices stays, planes through vertices, and both sides of any plane
+!! add up to the whole.
 program test_cut_solids
   use harness, only: tests_t
   use random_space, only: random_direction, random_frame
   use sg_kinds, only: wp
-  use sg_overlap_solid, only: cut, solid_room_t, solid_t, solid_volume
+  use sg_overlap_solid, only: box_solid, cut, solid_room_t, solid_t, solid_volume
   use sg_random, only: random_t
   implicit none
   !> Coordinates of a few metres are rounded to 1e-15 m, over faces of a few square metres
@@ -12,6 +13,7 @@ program test_cut_solids
 
   call test_arms()
   call test_both_sides()
+  call test_through_vertices()
   call t%finish()
 
 contains
@@ -88,4 +90,36 @@ contains
       call t%near(below(fork, normal, height) + below(fork, -normal, -height), 5.0_wp, tight, 'both sides')
     end do
   end subroutine test_both_sides
+
+  !> A box cut again and again by planes of few directions through vertices that are left, or a rounding beside them: what rounding
+  !! decides differs between vertices that should lie on one plane.
+  subroutine test_through_vertices()
+    type(random_t) :: random
+    type(solid_t) :: solid
+    real(wp) :: normal(3), height, volume, other
+    integer :: i, k
+
+    call random%seed(5)
+    do i = 1, 1000
+      call box_solid([1.0_wp, 1.0_wp, 0.5_wp], solid)
+      solid%has_normals = .false.
+      volume = 4
+      do k = 1, 12
+        normal = anint(4*[random%uniform(), random%uniform(), random%uniform()] - 2)
+        if (all(abs(normal) < 0.5_wp)) cycle
+        normal = normal/norm2(normal)
+        height = dot_product(normal, solid%vertex(:, 1 + int(random%uniform()*real(solid%n_vertices, wp))))
+        if (random%uniform() < 0.5_wp) height = height + 1e-15_wp*(random%uniform() - 0.5_wp)
+        other = below(solid, -normal, -height)
+        call t%near(below(solid, normal, height) + other, volume, tight, 'both sides, planes through vertices')
+        ! The larger part is cut on.
+        if (2*other > volume) then
+          call cut(solid, -normal, -height)
+        else
+          call cut(solid, normal, height)
+        end if
+        volume = solid_volume(solid)
+      end do
+    end do
+  end subroutine test_through_vertices
 end program test_cut_solids
