@@ -204,9 +204,9 @@ contains
     type(contacts_t), intent(in) :: contacts !! contacts of the step
     integer, intent(in) :: k !! contact
 
-    is_own_image = contacts%image(k) == 0
-    if (allocated(contacts%image_y)) is_own_image = is_own_image .and. contacts%image_y(k) == 0
-    if (allocated(contacts%image_z)) is_own_image = is_own_image .and. contacts%image_z(k) == 0
+    is_own_image = int(contacts%image(k)) == 0
+    if (allocated(contacts%image_y)) is_own_image = is_own_image .and. int(contacts%image_y(k)) == 0
+    if (allocated(contacts%image_z)) is_own_image = is_own_image .and. int(contacts%image_z(k)) == 0
   end function is_own_image
 
   !> Are there cohesive zones among the laws in use?
