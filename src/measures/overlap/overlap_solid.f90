@@ -118,6 +118,7 @@ contains
     type(solid_room_t), intent(inout) :: room !! room for the work
     integer :: n_above, n_below
 
+    if (solid%n_faces == 0) return
     call make_room(solid%n_vertices, solid%face_first(solid%n_faces + 1) - 1, room)
     call find_heights(solid%n_vertices, solid%vertex, at_origin, normal, height, room%above, n_above, n_below)
     if (n_below == solid%n_vertices) return

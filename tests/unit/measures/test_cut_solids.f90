@@ -71,6 +71,8 @@ contains
       call cut(fork, -frame(:, 2), -h)
       call t%near(below(fork, frame(:, 1), 2.5_wp), 1.5_wp*(2 - h), tight, 'an arm and a half')
       call t%near(below(fork, frame(:, 3), 0.25_wp), 0.5_wp*(2 - h), tight, 'a quarter of both arms')
+      call cut(fork, frame(:, 2), 0.5_wp)
+      call t%near(below(fork, frame(:, 1), 2.5_wp), 0.0_wp, 0.0_wp, 'nothing, cut again')
     end do
   end subroutine test_arms
 
