@@ -29,7 +29,9 @@ class TimeTurns(ProgramCase):
 
     def test_runs_of_one_deck(self):
         (self.place / "own.toml").write_text(DECK.read_text())
-        done = self.turns(f"'{self.program}' run own.toml --quiet --set time.steps=5", f"'{self.program}' run own.toml --quiet --set time.steps=10")
+        # A build without HDF5 makes no pictures.
+        command = f"'{self.program}' run own.toml --quiet --set output.every=0 --set restart.every=0 --set time.steps="
+        done = self.turns(command + "5", command + "10")
         self.assertEqual(done.returncode, 0, done.stderr)
         head, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in done.stdout.splitlines())
         rows = [dict(zip(head, row, strict=True)) for row in rows]
