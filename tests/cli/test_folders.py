@@ -106,6 +106,32 @@ class Ended(Folders):
         for key in ("steps", "kinetic_energy", "potential_energy"):
             self.assertEqual(self.run_json()[key], self.run_json("straight")[key], key)
 
+    def test_a_checkpoint_that_has_more_numbers_than_bytes(self):
+        """HDF5 reads numbers that were never written as zeros, gigabytes of them."""
+        if h5py is None:
+            self.skipTest("no h5py")
+        self.run_deck("--quiet")
+        # The last one is of no dataset of this scene, but has a check sum to be tried.
+        for name, said in (("time", "/time has 1073741824 "), ("totals", "it is cut off"), ("means", "it is cut off")):
+            shutil.copy(self.place / "out" / "restart_a.h5", self.place / "spoilt.h5")
+            with h5py.File(self.place / "spoilt.h5", "r+") as file:
+                file.pop(name, None)
+                file.create_dataset(name, (2**30,), "f8", chunks=(4096,))
+            self.refused(f"spoilt.h5: error: {said}", "--restart", "spoilt.h5", "--set", "time.steps=140")
+        # They would take 8 GiB.
+        self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, 2**20, "KiB of the largest process so far")
+
+
+    def test_a_problem_that_has_more_numbers_than_bytes(self):
+        if h5py is None:
+            self.skipTest("no h5py")
+        self.run_deck("--quiet", "--dump", "120")
+        with h5py.File(self.place / "out" / "dump-120-local.hdf5", "r+") as file:
+            del file["fclib_local/vectors/q"]
+            file.create_dataset("fclib_local/vectors/q", (2**30,), "f8", chunks=(4096,))
+        done = self.run_program("solve", "out/dump-120-local.hdf5", code=2)
+        self.assertIn("/fclib_local/vectors/q has 1073741824 entries, but no more than 0 bytes in the file", done.stderr)
+
 
 class Others(Folders):
     def test_other_results_are_not_replaced_unasked(self):

@@ -2,16 +2,19 @@
 submodule(sg_hdf5:hdf5_with_hdf5) hdf5_datasets_with_hdf5
   ! gfortran 12 refuses to use again what the parent uses already: the kinds and some constants come from there.
   use, intrinsic :: iso_c_binding, only: c_null_ptr
-  use hdf5, only: h5d_alloc_time_early_f, h5dclose_f, h5dcreate_f, h5dget_create_plist_f, h5dget_space_f, h5dopen_f, h5dread_f, &
-                  h5dset_extent_f, h5p_dataset_create_f, h5pget_nfilters_f, h5pset_alloc_time_f, h5pset_chunk_f, &
-                  h5pset_deflate_f, h5pset_fletcher32_f, h5s_select_set_f, h5s_unlimited_f, h5sclose_f, h5screate_simple_f, &
-                  h5sget_simple_extent_dims_f, h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, &
-                  h5sselect_hyperslab_f, h5t_ieee_f32le, h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, h5t_std_i64le, &
-                  h5t_std_u8le
+  use hdf5, only: h5d_alloc_time_early_f, h5dclose_f, h5dcreate_f, h5dget_create_plist_f, h5dget_space_f, &
+                  h5dget_storage_size_f, h5dopen_f, h5dread_f, h5dset_extent_f, h5p_dataset_create_f, h5pget_nfilters_f, &
+                  h5pset_alloc_time_f, h5pset_chunk_f, h5pset_deflate_f, h5pset_fletcher32_f, h5s_select_set_f, &
+                  h5s_unlimited_f, h5sclose_f, h5screate_simple_f, h5sget_simple_extent_dims_f, &
+                  h5sget_simple_extent_ndims_f, h5sget_simple_extent_npoints_f, h5sselect_hyperslab_f, h5t_ieee_f32le, &
+                  h5t_ieee_f64le, h5t_native_integer, h5t_std_i32le, h5t_std_i64le, h5t_std_u8le
+  use sg_text, only: to_text
   implicit none
 
   !> gzip level: beyond it files hardly shrink, and writing takes longer
   integer, parameter :: gzip_level = 4
+  !> A byte that is stored makes no more entries: gzip shrinks zeros by 1032; and entries that are read without a look at bytes
+  integer(hsize_t), parameter :: most_per_byte = 1032, few_entries = 2_hsize_t**20
   !> Rows that share a check sum, at most: as many as ranks read at once (sg_picked_rows)
   integer(hsize_t), parameter :: checked_rows = 16384
 
@@ -375,9 +378,28 @@ contains
     call open_dataset(self, path, dataset, shape)
     if (is_list .and. shape(1) > 1) call note(self, path//' is not a list')
     if (shape(1)*shape(2) > huge(1_i4)) call note(self, path//' has more entries than can be counted')
+    call check_storage(self, path, dataset, shape(1)*shape(2))
     call settle(self)
     if (allocated(self%error)) shape = 0
   end subroutine prepare_read
+
+  !> A dataset that is spoilt may have more entries than were ever written: they would be read as zeros, all memory full of them.
+  subroutine check_storage(self, path, dataset, entries)
+    class(hdf5_file_t), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(hid_t), intent(in) :: dataset
+    integer(hsize_t), intent(in) :: entries
+    integer(hsize_t) :: bytes
+    integer :: status
+
+    if (entries <= few_entries) return
+    call h5dget_storage_size_f(dataset, bytes, status)
+    ! A size of zero counts as a failure there.
+    if (status < 0) bytes = 0
+    if (entries > most_per_byte*bytes) &
+      call note(self, path//' has '//to_text(int(entries, i8))//' entries, but no more than '//to_text(int(bytes, i8))// &
+                ' bytes in the file')
+  end subroutine check_storage
 
   !> Read a dataset whole to an address, and close it.
   subroutine read_block(self, path, dataset, memory_type, n, address)
@@ -426,6 +448,7 @@ contains
   if (.not. allocated(self%error)) then
     call open_dataset(self, path, dataset, shape)
     if (first + int(rows, i8) > shape(2)) call note(self, path//' is not whole')
+    call check_storage(self, path, dataset, shape(1)*shape(2))
     call settle(self)
   end if
   count = [shape(1), int(rows, hsize_t)]
