@@ -29,6 +29,7 @@ class TimeTurns(ProgramCase):
 
     def test_runs_of_one_deck(self):
         (self.place / "own.toml").write_text(DECK.read_text())
+        (self.place / "run").mkdir()
         # A build without HDF5 makes no pictures.
         command = f"'{self.program}' run own.toml --quiet --set output.every=0 --set restart.every=0 --set time.steps="
         done = self.turns(command + "5", command + "10")
@@ -45,6 +46,11 @@ class TimeTurns(ProgramCase):
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("nowhere.toml", done.stderr)
         self.assertEqual(done.stdout, "")
+
+    def test_results_elsewhere_end_it(self):
+        done = self.turns(f"'{self.program}' --version")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("leaves 0 files run.json in its folder, not one", done.stderr)
 
 
 if __name__ == "__main__":

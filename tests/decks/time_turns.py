@@ -23,8 +23,9 @@ COLUMNS = ("command", "CPU s, least", "CPU s, median", "ratio, least", "ratio, m
 
 
 def words_of(command):
-    """The words of a command, files and folders by their whole path."""
-    return [str(Path(word).resolve()) if Path(word).exists() else word for word in shlex.split(command)]
+    """The words of a command, files and folders by their whole path; the second one is no file, whatever there is of its name."""
+    words = shlex.split(command)
+    return [str(Path(word).resolve()) if i != 1 and Path(word).exists() else word for i, word in enumerate(words)]
 
 
 def run(words):
@@ -35,7 +36,10 @@ def run(words):
         after = os.times()
         if done.returncode:
             raise SystemExit(f"{shlex.join(words)} ended with {done.returncode}:\n{done.stderr}")
-        summary = json.loads(next(Path(folder).rglob("run.json")).read_text())
+        found = list(Path(folder).rglob("run.json"))
+        if len(found) != 1:
+            raise SystemExit(f"{shlex.join(words)} leaves {len(found)} files run.json in its folder, not one")
+        summary = json.loads(found[0].read_text())
     return after.children_user + after.children_system - before.children_user - before.children_system, summary
 
 
