@@ -111,16 +111,17 @@ class Ended(Folders):
         if h5py is None:
             self.skipTest("no h5py")
         self.run_deck("--quiet")
-        # The last one is of no dataset of this scene, but has a check sum to be tried.
-        for name, said in (("time", "/time has 1073741824 "), ("totals", "it is cut off"), ("means", "it is cut off")):
+        # Of a scene that does not fit, only check sums are tried.
+        stored = "/time has 1073741824 entries, but no more than 0 bytes in the file"
+        for name, said, other in (("time", "/time has 1073741824 rows", []), ("totals", "it is cut off", []),
+                                  ("time", stored, ["--set", "sample[1].count=11"])):
             shutil.copy(self.place / "out" / "restart_a.h5", self.place / "spoilt.h5")
             with h5py.File(self.place / "spoilt.h5", "r+") as file:
-                file.pop(name, None)
+                del file[name]
                 file.create_dataset(name, (2**30,), "f8", chunks=(4096,))
-            self.refused(f"spoilt.h5: error: {said}", "--restart", "spoilt.h5", "--set", "time.steps=140")
+            self.refused(f"spoilt.h5: error: {said}", "--restart", "spoilt.h5", "--set", "time.steps=140", *other)
         # They would take 8 GiB.
         self.assertLess(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss, 2**20, "KiB of the largest process so far")
-
 
     def test_a_problem_that_has_more_numbers_than_bytes(self):
         if h5py is None:
@@ -131,6 +132,13 @@ class Ended(Folders):
             file.create_dataset("fclib_local/vectors/q", (2**30,), "f8", chunks=(4096,))
         done = self.run_program("solve", "out/dump-120-local.hdf5", code=2)
         self.assertIn("/fclib_local/vectors/q has 1073741824 entries, but no more than 0 bytes in the file", done.stderr)
+        # Zeros of one byte each, pressed together as far as gzip can, are all there and are read.
+        with h5py.File(self.place / "out" / "dump-120-local.hdf5", "r+") as file:
+            del file["fclib_local/vectors/q"]
+            file.create_dataset("fclib_local/vectors/q", (2**22,), "u1", chunks=(2**22,), compression=9)[...] = 0
+        done = self.run_program("solve", "out/dump-120-local.hdf5", code=2)
+        self.assertNotIn("bytes in the file", done.stderr)
+        self.assertIn("/fclib_local/vectors/mu has 12 entries, not 2097152", done.stderr)
 
 
 class Others(Folders):
