@@ -54,43 +54,37 @@ contains
     logical, allocatable, intent(in), optional :: is_counted(:)
     integer :: k, last(4), this(4)
     real(wp) :: offset(2)
+    logical :: are_disks
 
     area = 0
     last = 0
     do k = 1, contacts%n
       if (.not. contacts%gap(k) < 0) cycle
-      if (is_disks(contactors, contacts%contactor(1, k), contacts%contactor(2, k)) .and. .not. contacts%has_cell) then
-        if (present(is_counted)) then
-          if (.not. is_counted(k)) cycle
+      are_disks = contactors%kind(contacts%contactor(1, k)) == kind_disk &
+                  .and. contactors%kind(contacts%contactor(2, k)) == kind_disk .and. .not. contacts%has_cell
+      if (.not. are_disks) then
+        this = [contacts%contactor(:, k), int(contacts%image(k), i4), 0]
+        offset = [period*real(this(3), wp), 0.0_wp]
+        if (contacts%has_cell) then
+          this(4) = int(contacts%image_y(k))
+          offset = offset + contacts%upwards*real(this(4), wp)
         end if
-        area = area + disks_overlap(contactors, contacts%contactor(1, k), contacts%contactor(2, k), &
-                                    period*real(contacts%image(k), wp))
-        cycle
+        if (all(this == last)) cycle
+        last = this
       end if
-      this = [contacts%contactor(:, k), int(contacts%image(k), i4), 0]
-      offset = [period*real(this(3), wp), 0.0_wp]
-      if (contacts%has_cell) then
-        this(4) = int(contacts%image_y(k))
-        offset = offset + contacts%upwards*real(this(4), wp)
-      end if
-      if (all(this == last)) cycle
-      last = this
       if (present(is_counted)) then
         if (.not. is_counted(k)) cycle
       end if
-      area = area + pair_overlap(contactors, this(1), this(2), offset)
+      if (are_disks) then
+        area = area + disks_overlap(contactors, contacts%contactor(1, k), contacts%contactor(2, k), &
+                                    period*real(contacts%image(k), wp))
+      else
+        area = area + pair_overlap(contactors, this(1), this(2), offset)
+      end if
     end do
   end function overlap_area
 
-  !> Are both shapes disks? They have one contact per image, and nearly all contacts of many scenes are of this kind.
-  pure logical function is_disks(contactors, c, a)
-    type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: c, a
-
-    is_disks = contactors%kind(c) == kind_disk .and. contactors%kind(a) == kind_disk
-  end function is_disks
-
-  !> Overlap of two disks [m2], the second one shifted along x.
+  !> Overlap of two disks [m2], the second one shifted along x: nearly all contacts of many scenes, each of a pair of its own.
   pure real(wp) function disks_overlap(contactors, c, a, shift) result(area)
     type(contactors_t), intent(in) :: contactors
     integer, intent(in) :: c, a

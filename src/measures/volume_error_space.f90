@@ -27,39 +27,33 @@ contains
     type(overlap_room_t) :: room
     real(wp) :: overlap
     integer :: k, last(5), this(5)
+    logical :: are_spheres
 
     volume = 0
     last = 0
     do k = 1, contacts%n
       if (.not. contacts%gap(k) < 0) cycle
-      if (is_spheres(contactors, contacts%contactor(1, k), contacts%contactor(2, k)) .and. is_own_image(contacts, k)) then
-        if (present(is_counted)) then
-          if (.not. is_counted(k)) cycle
-        end if
-        volume = volume + spheres_overlap(contactors, contacts%contactor(1, k), contacts%contactor(2, k))
-        cycle
+      are_spheres = contactors%kind(contacts%contactor(1, k)) == kind_sphere &
+                    .and. contactors%kind(contacts%contactor(2, k)) == kind_sphere .and. is_own_image(contacts, k)
+      if (.not. are_spheres) then
+        this = [int(contacts%contactor(:, k)), image_of(contacts, k)]
+        if (all(this == last)) cycle
+        last = this
       end if
-      this = [int(contacts%contactor(:, k)), image_of(contacts, k)]
-      if (all(this == last)) cycle
-      last = this
       if (present(is_counted)) then
         if (.not. is_counted(k)) cycle
       end if
-      call measure_pair(contactors, this(1), this(2), image_shift(scene, this(3:)), [scene%period, scene%period_y], &
-                        contacts%normal(1:3, k), room, overlap)
+      if (are_spheres) then
+        overlap = spheres_overlap(contactors, contacts%contactor(1, k), contacts%contactor(2, k))
+      else
+        call measure_pair(contactors, this(1), this(2), image_shift(scene, this(3:)), [scene%period, scene%period_y], &
+                          contacts%normal(1:3, k), room, overlap)
+      end if
       volume = volume + overlap
     end do
   end function overlap_volume
 
-  !> Are both shapes spheres? They have one contact per image, and nearly all contacts of many scenes are of this kind.
-  pure logical function is_spheres(contactors, c, a)
-    type(contactors_t), intent(in) :: contactors
-    integer, intent(in) :: c, a
-
-    is_spheres = contactors%kind(c) == kind_sphere .and. contactors%kind(a) == kind_sphere
-  end function is_spheres
-
-  !> Overlap of two spheres [m3], both where they are.
+  !> Overlap of two spheres [m3], both where they are: nearly all contacts of many scenes, each of a pair of its own.
   pure real(wp) function spheres_overlap(contactors, c, a) result(volume)
     type(contactors_t), intent(in) :: contactors
     integer, intent(in) :: c, a

@@ -20,10 +20,11 @@ module sg_overlap_polyhedra
     !> What is left of the candidate, and room to cut it
     type(solid_t) :: solid
     type(solid_room_t) :: cuts
-    !> Of each plane its height above the candidate's centre [m], and the cosine between its normal and the direction
-    real(wp), allocatable :: height(:), facing(:)
-    !> Cosines of the other shape; then how far what is left stands out of each plane [m]
-    real(wp), allocatable :: other(:)
+    !> Of each plane its height above the candidate's centre [m], and the cosine between its normal and the direction; those of the
+    !! other shape
+    real(wp), allocatable :: height(:), facing(:), other(:)
+    !> How far what is left stands out of each plane [m]
+    real(wp), allocatable :: excess(:)
     !> Planes that may cut
     integer, allocatable :: plane(:)
   end type overlap_room_t
@@ -173,9 +174,10 @@ contains
 
     if (allocated(room%height)) then
       if (size(room%height) >= n_planes) return
-      deallocate (room%height, room%facing, room%other, room%plane)
+      deallocate (room%height, room%facing, room%other, room%excess, room%plane)
     end if
-    allocate (room%height(2*n_planes), room%facing(2*n_planes), room%other(2*n_planes), room%plane(2*n_planes + 1))
+    allocate (room%height(2*n_planes), room%facing(2*n_planes), room%other(2*n_planes), room%excess(2*n_planes))
+    allocate (room%plane(2*n_planes + 1))
   end subroutine make_room
 
   !> Volume of the part of a polyhedron below planes [m3], which bound a convex shape.
@@ -206,7 +208,8 @@ contains
                        direction, top, room%cuts, solid)
       end if
       if (solid%n_faces == 0) return
-      call list_planes(n_planes, normal, room%height, room%facing, first, solid%n_vertices, solid%vertex, room%other, room%plane, n)
+      call list_planes(n_planes, normal, room%height, room%facing, first, solid%n_vertices, solid%vertex, room%excess, &
+                       room%plane, n)
       do f = 1, n
         call cut(solid, normal(:, room%plane(f)), room%height(room%plane(f)), room%cuts)
         if (solid%n_faces == 0) return
