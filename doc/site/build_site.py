@@ -45,7 +45,8 @@ max_frontpage_items: 20
 def write_pages(pages, has_fortran):
     """README, guides, theory, reference and decks, with links between them as the site has them."""
     shutil.copytree(TOP / "doc", pages, ignore=shutil.ignore_patterns("site"))
-    shutil.copytree(TOP / "input_decks", pages / "input_decks")
+    # A changed deck that Python runs stands hidden beside its deck for as long.
+    shutil.copytree(TOP / "input_decks", pages / "input_decks", ignore=shutil.ignore_patterns(".*"))
     for name in ("LICENSE", "CHANGELOG.md"):
         shutil.copy(TOP / name, pages)
     text = (TOP / "README.md").read_text()
@@ -67,13 +68,13 @@ def gallery(pages):
     """All decks with a picture of their start, as far as one was drawn, and their first sentence; then the pictures of the other pages."""
     lines = ["# Gallery", "", "## Decks", "", "[All decks](input_decks/README.md), with their times and what to expect of them.", "",
              "| start | deck |", "| --- | --- |"]
-    for deck in sorted((TOP / "input_decks").rglob("*.toml")):
+    for deck in sorted((pages / "input_decks").rglob("*.toml")):
         comment = []
         for line in deck.read_text().splitlines():
             if not line.startswith("#"):
                 break
             comment.append(line.lstrip("# "))
-        name = deck.relative_to(TOP)
+        name = deck.relative_to(pages)
         picture = (Path("gallery") / name.relative_to("input_decks")).with_suffix(".png")
         shown = f"![Start of {deck.stem}]({picture}){{ loading=lazy style='min-width:11rem' }}" if (pages / picture).exists() else ""
         lines.append(f"| {shown} | [{name.relative_to('input_decks')}]({name})<br>{' '.join(comment).replace('|', '/')} |")

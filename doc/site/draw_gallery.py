@@ -9,6 +9,7 @@ of the top folder and of OWN need nothing, so that a failure there is an error. 
 
 import subprocess
 import sys
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,8 +21,6 @@ from splitgrain_postpro.style import new_figure, styled
 
 DECKS = Path(__file__).resolve().parents[2] / "input_decks"
 OWN = ("cell", "masonry")
-# Not decks of a scene: lists of cases, studies.
-OTHERS = ("extreme", "studies")
 DPI = 45
 PIXELS = 250
 SECONDS = 30
@@ -51,9 +50,9 @@ def draw(folder, path):
 
 def main(program, folder):
     folder, program = Path(folder), Path(program).resolve()
-    # A changed deck that Python runs stands beside its deck for as long, under its name and numbers.
+    # Studies have no time steps of their own; stability cases are drawn by their tables.
     decks = sorted(deck for deck in DECKS.rglob("*.toml")
-                   if not set(deck.relative_to(DECKS).parts) & set(OTHERS) and "." not in deck.stem)  # fmt: skip
+                   if "extreme" not in deck.relative_to(DECKS).parts and "time" in tomllib.loads(deck.read_text()))  # fmt: skip
     paths = {deck: (folder / deck.relative_to(DECKS)).with_suffix(".png") for deck in decks}
     due = [deck for deck, path in paths.items()
            if not path.exists() or path.stat().st_mtime < max(deck.stat().st_mtime, program.stat().st_mtime)]  # fmt: skip

@@ -118,10 +118,10 @@ class Deck(MutableMapping):
     @contextmanager
     def _words(self, folder, set):
         """The file of the deck, and the settings over it. Relative paths of a deck count from where it lies, so that a file made
-        for the program stands there, and goes when the program has ended."""
+        for the program stands there, hidden and without an ending that lists of decks look for, and goes when the program has ended."""
         changed, path, made = self.settings(), self.path, None
         if changed is None:
-            name = f"{self.path.stem if self.path else 'deck'}.{os.getpid()}.{get_ident()}.toml"
+            name = f".{self.path.stem if self.path else 'deck'}.{os.getpid()}.{get_ident()}"
             path = made = self.write((self.path.parent if self.path else folder) / name)
             changed = {}
         options = []

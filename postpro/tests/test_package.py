@@ -1,6 +1,7 @@
 """The package `splitgrain`: decks that are changed and run, errors, records, motions of bodies, sweeps that go on."""
 
 import os
+import shutil
 import sys
 import tomllib
 from pathlib import Path
@@ -121,6 +122,19 @@ def test_pictures_have_the_interfaces_of_the_table(tmp_path, deck):
             assert list(drawn) == list(rows)
             for name, values in rows.items():
                 assert drawn[name].tolist() == values.tolist(), name
+
+
+@needs_program
+def test_changed_decks_are_in_no_list_of_decks_while_they_run(tmp_path):
+    folder = tmp_path / "decks"
+    folder.mkdir()
+    shutil.copy(BLOCK, folder)
+    deck, lists = sg.Deck(folder / BLOCK.name), []
+    deck["interface"] = [{}]
+    assert deck.settings() is None
+    deck.run(tmp_path / "run", set={"time.steps": 2}, progress=lambda line: lists.append({path.name for path in folder.iterdir()}))
+    assert any(len(names) == 2 for names in lists) and not any(name.endswith(".toml") for name in set().union(*lists) - {BLOCK.name})
+    assert [path.name for path in folder.iterdir()] == [BLOCK.name]
 
 
 @needs_program
