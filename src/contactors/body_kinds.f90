@@ -5,7 +5,7 @@ module sg_body_kinds
   use sg_shape_kinds, only: is_bounding, kind_names, kind_point, n_kinds
   implicit none
   private
-  public :: body_kinds, body_kind_name, kind_clump, n_body_kinds
+  public :: body_kinds, body_kind_name, n_body_kinds
 
   !> Number of the kind of bodies with several shapes, after those of shapes; number of kinds of bodies
   integer, parameter :: kind_clump = n_kinds + 1, n_body_kinds = n_kinds + 1

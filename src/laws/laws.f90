@@ -16,7 +16,7 @@ module sg_laws
   public :: law_iqs_g0, law_gap_g0, law_elastic_g0, law_gap_shifted, law_viscoelastic
   public :: law_mac, law_mal, law_th, law_abp, law_expo, is_cohesive_zone, needs_surface
   public :: status_new, status_none, status_stick, status_slide, status_bonded, status_broken, last_status
-  public :: acts_in_touch, forbids_overlap, forbidden_gap, allows_pushes
+  public :: acts_in_touch, forbidden_gap, allows_pushes
   public :: is_plain, is_frictionless, resists_rolling, inverse_of, kind_of_local_law, largest_friction, why_largest_friction
 
   !> Kinds of law: inelastic quasi-shock, Signorini in gaps, Signorini in velocities, Newton restitution,

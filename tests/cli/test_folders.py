@@ -340,6 +340,7 @@ class Faults(Folders):
         self.run_deck("--quiet", "--dump", "120")
         problem = self.place / "out" / "dump-120-local.hdf5"
         with h5py.File(problem, "r+") as file:
+            self.assertRegex(file["fclib_local/info/title"][()].decode(), r"^step 120 of .*\.toml$")
             file.attrs["author"] = "someone"
             file.attrs.create("numbers", [1.5, 2.5])
             file["notes/length"] = "of any length"

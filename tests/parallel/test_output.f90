@@ -43,7 +43,6 @@ contains
     type(hdf5_file_t) :: file, again
     real(wp), allocatable :: list(:), table(:, :), part(:, :)
     integer(i8), allocatable :: longs(:)
-    character(len=:), allocatable :: text
     real(wp), allocatable :: own(:)
     integer(i8) :: before
     integer :: i, r, n
@@ -92,8 +91,6 @@ contains
     call t%near(sum(part), 11.0_wp, 0.0_wp, 'some rows are read')
     call again%get('/a/steps', longs)
     call t%equal(int(longs(1)), 7, 'a long integer')
-    call again%get('/a/text', text)
-    call t%check(text == 'some words', 'a text')
     call again%close()
     call t%check(.not. allocated(again%error), 'and it is read')
     call file%share(comm)

@@ -10,7 +10,7 @@ module sg_datbox_postpro
   use sg_text, only: append_word, joined, text_t, to_text
   implicit none
   private
-  public :: read_postpro, warn_of_postpro, postpro_counterpart
+  public :: read_postpro, warn_of_postpro
 
   !> Columns of a command, and most bodies of sets that are tracked
   integer, parameter :: width = 30, most_tracked = 1000

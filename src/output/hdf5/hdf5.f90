@@ -57,7 +57,7 @@ module sg_hdf5
     procedure, private :: put_reals, put_real_records, put_integers, put_integer_records, put_text
     procedure :: total => file_total
     procedure :: get_rows => file_get_rows
-    procedure, private :: get_reals, get_real_records, get_integers, get_longs, get_text
+    procedure, private :: get_reals, get_real_records, get_integers, get_longs
     procedure, private :: set_long, set_longs, set_reals, set_text
     procedure, private :: look_long, look_text
     !> Add rows to a growing dataset
@@ -65,7 +65,7 @@ module sg_hdf5
     !> Make a dataset of fixed size and fill it
     generic :: put => put_reals, put_real_records, put_integers, put_integer_records, put_text
     !> Read a whole dataset
-    generic :: get => get_reals, get_real_records, get_integers, get_longs, get_text
+    generic :: get => get_reals, get_real_records, get_integers, get_longs
     !> Set an attribute, in place when it exists
     generic :: set => set_long, set_longs, set_reals, set_text
     !> Read an attribute
@@ -308,13 +308,6 @@ module sg_hdf5
       character(len=*), intent(in) :: path !! path within the file
       integer(i8), allocatable, intent(out), target :: values(:) !! numbers read
     end subroutine get_longs
-
-    !> Read a text of fixed length; empty after a failure.
-    module subroutine get_text(self, path, text)
-      class(hdf5_file_t), intent(inout) :: self
-      character(len=*), intent(in) :: path !! path within the file
-      character(len=:), allocatable, intent(out) :: text !! text read, up to its first zero byte
-    end subroutine get_text
 
     !> Set an attribute to one long integer.
     module subroutine set_long(self, path, name, value)

@@ -1,9 +1,8 @@
 !> Groups of HDF5 files listed and removed, and datasets that hold one text.
 submodule(sg_hdf5:hdf5_with_hdf5) hdf5_texts_with_hdf5
   ! gfortran 12 refuses to use again what the parent uses already: the kinds and some constants come from there.
-  use hdf5, only: h5dclose_f, h5dcreate_f, h5dget_type_f, h5dopen_f, h5dread_f, h5dwrite_f, h5gget_obj_info_idx_f, &
-                  h5gn_members_f, h5ldelete_f, h5s_scalar_f, h5sclose_f, h5screate_f, h5t_c_s1, h5t_str_nullterm_f, &
-                  h5t_string_f, h5tclose_f, h5tcopy_f, h5tget_class_f, h5tget_size_f, h5tis_variable_str_f, h5tset_size_f, &
+  use hdf5, only: h5dclose_f, h5dcreate_f, h5dwrite_f, h5gget_obj_info_idx_f, h5gn_members_f, h5ldelete_f, h5s_scalar_f, &
+                  h5sclose_f, h5screate_f, h5t_c_s1, h5t_str_nullterm_f, h5tclose_f, h5tcopy_f, h5tset_size_f, &
                   h5tset_strpad_f, size_t
   use sg_text, only: append_word
   implicit none
@@ -70,40 +69,4 @@ contains
   end if
   call settle(self)
   end procedure put_text
-
-  module procedure get_text
-  integer :: status, i, class
-  integer(hid_t) :: dataset, text_type
-  integer(size_t) :: length
-  logical :: is_variable
-  character(kind=c_char), allocatable, target :: letters(:)
-  type(c_ptr) :: address
-
-  text = ''
-  if (allocated(self%error)) return
-  call h5dopen_f(int(self%id, hid_t), path, dataset, status)
-  call check(self, status, 'cannot find '//path)
-  call settle(self)
-  if (allocated(self%error)) return
-  call h5dget_type_f(dataset, text_type, status)
-  call h5tget_class_f(text_type, class, status)
-  is_variable = .false.
-  if (class == h5t_string_f) call h5tis_variable_str_f(text_type, is_variable, status)
-  if (class /= h5t_string_f .or. is_variable) then
-    call note(self, path//' is not a text of fixed length')
-  else
-    call h5tget_size_f(text_type, length, status)
-    allocate (letters(length), source=c_null_char)
-    address = c_loc(letters)
-    call h5dread_f(dataset, text_type, address, status)
-    call check(self, status, 'cannot read '//path)
-    do i = 1, size(letters)
-      if (letters(i) == c_null_char) exit
-      text = text//letters(i)
-    end do
-  end if
-  call h5tclose_f(text_type, status)
-  call h5dclose_f(dataset, status)
-  call settle(self)
-  end procedure get_text
 end submodule hdf5_texts_with_hdf5

@@ -131,10 +131,6 @@ contains
   allocate (values(0))
   end procedure get_longs
 
-  module procedure get_text
-  text = ''
-  end procedure get_text
-
   module procedure set_long
   end procedure set_long
 

@@ -21,7 +21,7 @@ module sg_sweeps
   use sg_threads, only: begin_share, is_in_team, n_sharing, piece_t, share_t, takes
   implicit none
   private
-  public :: sweep, sweep_impulses, sweep_run
+  public :: sweep, sweep_impulses
 
   !> Least contacts of an order that threads share: a sweep of fewer takes as long as threads need to meet
   integer, parameter :: least_contacts = 3000

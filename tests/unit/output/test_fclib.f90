@@ -90,7 +90,6 @@ contains
     type(matrix_problem_t) :: problem, local, global
     type(error_t), allocatable :: error
     type(hdf5_file_t) :: file
-    character(len=:), allocatable :: title
     real(wp), allocatable :: guess(:, :), u(:, :)
     real(wp), allocatable :: stored(:)
 
@@ -118,8 +117,6 @@ contains
     call t%near(maxval(abs(global%r)), 0.0_wp, 0.0_wp, 'round trip: no guess unless asked for')
 
     call file%open(folder//'/some-global.hdf5', .true.)
-    call file%get('/fclib_global/info/title', title)
-    call t%check(title == 'a test', 'round trip: title')
     call file%get('/solution/r', stored)
     call t%near(maxval(abs(stored - reshape(problem%r, [7*d]))), 0.0_wp, 0.0_wp, 'round trip: solution')
     call file%get('/solution/u', stored)
