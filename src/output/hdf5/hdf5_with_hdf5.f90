@@ -4,7 +4,7 @@
 !! Files and failures are here; datasets and attributes in submodules of this one.
 submodule(sg_hdf5) hdf5_with_hdf5
   use, intrinsic :: iso_c_binding, only: c_bool, c_char, c_f_pointer, c_funloc, c_funptr, c_int, c_int64_t, c_loc, &
-                                         c_null_char, c_ptr, c_size_t
+                                         c_null_char, c_null_ptr, c_ptr, c_size_t
   use hdf5, only: h5_integer_kind, h5dont_atexit_f, h5eset_auto_f, h5f_acc_rdonly_f, h5f_acc_rdwr_f, h5f_acc_trunc_f, &
                   h5f_close_strong_f, h5f_libver_earliest_f, h5f_libver_v110_f, h5f_scope_global_f, h5fclose_f, h5fcreate_f, &
                   h5fflush_f, h5fopen_f, h5gclose_f, h5gcreate_f, h5iis_valid_f, h5kind_to_type, h5lexists_f, h5open_f, &
