@@ -179,11 +179,11 @@ contains
       seen(order%contact(k)) = seen(order%contact(k)) + 1
     end do
     call t%check(all(seen == merge(1, 0, is_wanted)), 'each wanted contact is dealt once, no other')
-    call t%equal(sum(int(order%group_size(:order%n_groups))), order%n, 'the groups hold all contacts')
+    call t%equal(sum(int(order%lanes%group_size(:order%lanes%n_groups))), order%n, 'the groups hold all contacts')
     e = 0
-    do g = 1, order%n_groups
-      call check_group(t, problem, order%pair(:, e + 1:e + order%group_size(g)))
-      e = e + order%group_size(g)
+    do g = 1, order%lanes%n_groups
+      call check_group(t, problem, order%pair(:, e + 1:e + order%lanes%group_size(g)))
+      e = e + order%lanes%group_size(g)
     end do
     impulse = order%impulse(:, :order%n)
     before = impulse

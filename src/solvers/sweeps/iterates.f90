@@ -37,8 +37,8 @@ contains
     n = stored(order)
     past%serial = order%serial
     call fit(n, past%before)
-    if (order%n_groups > 0) then
-      call copy_reals(n, order%lane_impulse, past%before)
+    if (order%lanes%n_groups > 0) then
+      call copy_reals(n, order%lanes%impulse, past%before)
     else if (order%solids%n_groups > 0) then
       do row = 1, order%solids%n_rows
         call copy_reals(impulses_of_row, order%solids%row(1, 1, row), past%before((row - 1)*impulses_of_row + 1))
@@ -63,8 +63,8 @@ contains
   pure integer function stored(order)
     type(sweep_order_t), intent(in) :: order
 
-    if (order%n_groups > 0) then
-      stored = lanes*size(order%lane_impulse, 2)*order%n_groups
+    if (order%lanes%n_groups > 0) then
+      stored = lanes*size(order%lanes%impulse, 2)*order%lanes%n_groups
     else if (order%solids%n_groups > 0) then
       stored = run*order%solids%n_rows
     else
@@ -93,8 +93,8 @@ contains
     type(iterates_t), intent(inout) :: past !! those of the sweep before
     integer :: row
 
-    if (order%n_groups > 0) then
-      call exchange(stored(order), order%lane_impulse, past%before)
+    if (order%lanes%n_groups > 0) then
+      call exchange(stored(order), order%lanes%impulse, past%before)
     else if (order%solids%n_groups > 0) then
       do row = 1, order%solids%n_rows
         call exchange(impulses_of_row, order%solids%row(1, 1, row), past%before((row - 1)*impulses_of_row + 1))
@@ -120,8 +120,8 @@ contains
     past%sums = 0
     n = stored(order)
     call fit(n, past%start)
-    if (order%n_groups > 0) then
-      call step(n, run, past%share, order%lane_impulse, past%before, past%start, past%sums)
+    if (order%lanes%n_groups > 0) then
+      call step(n, run, past%share, order%lanes%impulse, past%before, past%start, past%sums)
     else if (order%solids%n_groups > 0) then
       call step(n, lanes*row_length, past%share, order%solids%row, past%before, past%start, past%sums)
     else if (n > 0) then

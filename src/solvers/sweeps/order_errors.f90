@@ -69,9 +69,9 @@ contains
     real(wp), intent(out) :: sums(n_error_sums) !! the sums, where it is set
     real(wp) :: sums_of_others(n_error_sums)
 
-    self%is_set = order%n_groups > 0 .and. real(order%n, wp) >= least_share*real(problem%n_contacts, wp)
+    self%is_set = order%lanes%n_groups > 0 .and. real(order%n, wp) >= least_share*real(problem%n_contacts, wp)
     if (.not. self%is_set) return
-    call make_room(self, order%n_groups, problem%n_contacts)
+    call make_room(self, order%lanes%n_groups, problem%n_contacts)
     call measure_groups(self, problem, order, with_e1, sums)
     if (.not. self%is_set) return
     ! Neither their records nor their impulses change in a solve, except by rates of a cell.
@@ -110,7 +110,7 @@ contains
     type(sweep_order_t), intent(in) :: order
     logical, intent(in) :: with_e1
     real(wp), intent(out) :: sums(n_error_sums)
-    real(wp) :: part(n_error_sums, (order%n_groups + groups_of_part - 1)/groups_of_part)
+    real(wp) :: part(n_error_sums, (order%lanes%n_groups + groups_of_part - 1)/groups_of_part)
     logical :: is_there(size(part, 2))
     type(share_t) :: share
     type(piece_t) :: piece
@@ -120,18 +120,18 @@ contains
     kind = lanes_of_arms
     if (problem%kind == round_frictional) kind = lanes_of_disks
     if (problem%kind == ball_frictional) kind = lanes_of_balls
-    length = size(order%lane_record, 2, c_int)
+    length = size(order%lanes%record, 2, c_int)
     if (kind == lanes_of_disks .and. length == plain_length_of_disks) kind = lanes_of_plain_disks
     call begin_share(share, size(part, 2), least_parts)
     !$omp taskloop default(shared) private(t, p, piece) grainsize(1) if (share%pieces > 1)
     do t = 1, n_sharing()
       do while (takes(share, piece))
         do p = piece%first, piece%last
-          associate (g => (p - 1)*groups_of_part + 1)
-            is_there(p) = measure_lanes(kind, int(min(groups_of_part, order%n_groups - g + 1), c_int), length, &
-                                        order%group_size(g), order%lane_pair(1, 1, g), order%lane_record(1, 1, g), order%shared, &
-                                        order%lane_impulse(1, 1, g), problem%body, merge(1_c_int, 0_c_int, with_e1), part(:, p), &
-                                        self%closing(1, g), self%bounds((g - 1)/groups_of_bound + 1)) > 0
+          associate (own => order%lanes, g => (p - 1)*groups_of_part + 1)
+            is_there(p) = measure_lanes(kind, int(min(groups_of_part, own%n_groups - g + 1), c_int), length, own%group_size(g), &
+                                        own%pair(1, 1, g), own%record(1, 1, g), own%shared, own%impulse(1, 1, g), problem%body, &
+                                        merge(1_c_int, 0_c_int, with_e1), part(:, p), self%closing(1, g), &
+                                        self%bounds((g - 1)/groups_of_bound + 1)) > 0
           end associate
         end do
       end do
@@ -220,10 +220,10 @@ contains
     do i = 1, self%n_others
       is_wanted(self%other(i)) = self%closing_of_others(i) <= limit
     end do
-    if (count(self%closing(:, :order%n_groups) <= limit) == lanes*order%n_groups) return
+    if (count(self%closing(:, :order%lanes%n_groups) <= limit) == lanes*order%lanes%n_groups) return
     e = 0
-    do g = 1, order%n_groups
-      do i = 1, order%group_size(g)
+    do g = 1, order%lanes%n_groups
+      do i = 1, order%lanes%group_size(g)
         e = e + 1
         is_wanted(order%contact(e)) = self%closing(i, g) <= limit
       end do
@@ -239,7 +239,7 @@ contains
     integer, intent(out) :: contact !! number of that contact; zero where all obey
     real(wp), intent(out) :: speed !! its velocity [m/s]
     integer :: run, first, last, found
-    real(wp) :: bounds((order%n_groups + groups_of_bound - 1)/groups_of_bound)
+    real(wp) :: bounds((order%lanes%n_groups + groups_of_bound - 1)/groups_of_bound)
 
     contact = 0
     speed = 0
@@ -247,8 +247,8 @@ contains
     do
       call take_largest(bounds, speed, run)
       if (run == 0) exit
-      first = sum(order%group_size(:(run - 1)*groups_of_bound)) + 1
-      last = first - 1 + sum(order%group_size((run - 1)*groups_of_bound + 1:min(order%n_groups, run*groups_of_bound)))
+      first = sum(order%lanes%group_size(:(run - 1)*groups_of_bound)) + 1
+      last = first - 1 + sum(order%lanes%group_size((run - 1)*groups_of_bound + 1:min(order%lanes%n_groups, run*groups_of_bound)))
       call copy_part(problem, order%contact(first:last), self%part)
       self%serial = -1
       call look_closer(self%part, problem%body, found, speed)

@@ -5,30 +5,24 @@
 !! *Shuffled* order is random, for studies of what order does: a seed and the number of contacts give it, so that a run goes on
 !! from a restart as it would have. Contacts that are open and stay so need not be visited at all: the order holds the ones chosen.
 module sg_sweep_order
+  use sg_contact_lanes, only: contact_lanes_t, fill_lanes
   use sg_convergence, only: looks_at_errors
-  use sg_group_dealing, only: deal_blocks, deal_lanes, lanes
+  use sg_group_dealing, only: deal_blocks, deal_lanes
   use sg_kept_dealing, only: kept_dealing_t
   use sg_kinds, only: wp, i4, i8
   use sg_lists, only: reserve
   use sg_problem, only: problem_t
   use sg_random, only: random_t
-  use sg_records, only: arm_frictional, ball_frictional, impulse_length, record_length, &
-                        round_frictional, solid_frictional
+  use sg_records, only: arm_frictional, ball_frictional, record_length, round_frictional, solid_frictional
   use sg_run_options, only: solver_options_t
-  use sg_sweep_arm_lanes, only: lane_length_of_arms, put_arm_lanes
-  use sg_sweep_ball_lanes, only: put_ball_lanes
   use sg_sweep_colouring, only: colour_blocks, sweep_colouring_t
   use sg_sweep_solid_order, only: begin_rows, deal_chains, fill_rows, reserve_rows, solid_lanes_t
-  use sg_threads, only: begin_share, n_sharing, piece_t, share_t, takes
-  use sg_sweep_round_lanes, only: lane_length_of_disks, plain_length_of_disks, put_round_lanes, shared_of
   implicit none
   private
   public :: sweep_order_t, set_order, slack, update_order, refill_order
 
   !> An order is rebuilt when more than one over this many of its contacts are missing, or need no visit any more
   integer, parameter :: slack = 16
-  !> Least groups of a piece that a thread fills
-  integer, parameter :: least_groups = 128
 
   !> Contacts in the order of the sweep
   type :: sweep_order_t
@@ -40,14 +34,8 @@ module sg_sweep_order
     logical :: has_copies = .false.
     integer(i4), allocatable :: pair(:, :)
     real(wp), allocatable :: record(:, :), impulse(:, :)
-    !> Groups of contacts of disks, of balls, or with arms in the plane, with friction, side by side: number of groups and size
-    !! of each; slots, shape (lanes, 2, groups), records, shape (lanes, reals of a lane, groups), and impulses, shape (lanes,
-    !! components, groups). Lanes to spare change nothing
-    integer :: n_groups = 0
-    integer(i4), allocatable :: group_size(:), lane_pair(:, :, :)
-    real(wp), allocatable :: lane_record(:, :, :), lane_impulse(:, :, :)
-    !> What records of disks share (sg_sweep_round_lanes)
-    real(wp) :: shared(2) = 0
+    !> Groups of contacts of disks, of balls, or with arms in the plane, with friction, side by side
+    type(contact_lanes_t) :: lanes
     !> Groups of pairs of solids with friction, side by side
     type(solid_lanes_t) :: solids
     !> Blocks that may be swept side by side, in coloured order; and by how many threads
@@ -75,7 +63,7 @@ contains
     order%has_last_groups = options%order == merge('coloured', 'groups  ', order%blocks%n > 0)
     if (order%has_last_groups) order%has_last_groups = order%dealt%holds(problem, is_wanted(:problem%n_contacts))
     order%serial = order%serial + 1
-    order%n_groups = 0
+    order%lanes%n_groups = 0
     order%solids%n_groups = 0
     order%threads = options%threads
     if (order%has_last_groups) then
@@ -86,11 +74,11 @@ contains
       call choose(is_wanted(:problem%n_contacts), order%n, order%chosen)
       call put_in_order(order, problem, is_wanted(:problem%n_contacts), options)
     end if
-    if (order%n_groups > 0) then
-      call fill_lanes(order, problem, 1, 1, is_done)
-      if (.not. is_done) order%n_groups = 0
+    if (order%lanes%n_groups > 0) then
+      call fill_lanes(order%lanes, problem, order%contact(:order%n), 1, 1, is_done)
+      if (.not. is_done) order%lanes%n_groups = 0
     end if
-    order%has_copies = order%n_groups + order%solids%n_groups == 0 .or. .not. looks_at_errors(options%criterion)
+    order%has_copies = order%lanes%n_groups + order%solids%n_groups == 0 .or. .not. looks_at_errors(options%criterion)
     call fill_others(order, problem)
   end subroutine set_order
 
@@ -121,7 +109,7 @@ contains
     logical, intent(out) :: is_done !! not where a contact no longer fits beside others: the order must be set again
 
     is_done = .true.
-    if (order%n_groups > 0) call fill_lanes(order, problem, 1, 1, is_done)
+    if (order%lanes%n_groups > 0) call fill_lanes(order%lanes, problem, order%contact(:order%n), 1, 1, is_done)
     if (is_done) call fill_others(order, problem)
   end subroutine refill_order
 
@@ -208,20 +196,20 @@ contains
     logical :: are_lanes
 
     first = order%n + 1
-    first_group = order%n_groups + 1
+    first_group = order%lanes%n_groups + 1
     first_solid_group = order%solids%n_groups + 1
-    are_lanes = order%n_groups > 0
+    are_lanes = order%lanes%n_groups > 0
     is_done = .true.
     order%serial = order%serial + 1
     order%n = order%n + missed
     call reserve_contacts(order, order%n + 1)
     order%chosen(first:order%n) = order%missed(:missed)
     ! Sizes of the groups dealt stay, for the next problem, also where this one has a law that these have no place for.
-    if (.not. are_lanes) order%n_groups = order%dealt%groups(1)
+    if (.not. are_lanes) order%lanes%n_groups = order%dealt%groups(1)
     call deal(order, problem, first, order%n)
-    if (.not. are_lanes) order%n_groups = 0
+    if (.not. are_lanes) order%lanes%n_groups = 0
     if (order%has_copies) call fill_copies(order, problem, first)
-    if (are_lanes) call fill_lanes(order, problem, first_group, first, is_done)
+    if (are_lanes) call fill_lanes(order%lanes, problem, order%contact(:order%n), first_group, first, is_done)
     if (order%solids%n_groups > 0) call fill_rows(problem, order%contact(:order%n), order%solids, first_solid_group, is_done)
   end subroutine append
 
@@ -232,7 +220,7 @@ contains
 
     call reserve(order%contact, n)
     call reserve(order%chosen, n)
-    if (allocated(order%group_size)) call reserve(order%group_size, n)
+    if (allocated(order%lanes%group_size)) call reserve(order%lanes%group_size, n)
     if (allocated(order%solids%last_row)) call reserve_rows(order%solids, n)
     if (.not. order%has_copies) return
     call reserve(order%pair, size(order%pair, 1), n)
@@ -251,15 +239,15 @@ contains
     have_lanes = any(problem%kind == [round_frictional, arm_frictional, ball_frictional])
     fits = allocated(order%contact)
     if (fits) fits = size(order%contact) > wanted .and. size(order%groups_of) == problem%n_bodies
-    if (fits) fits = allocated(order%group_size) .or. .not. have_lanes
+    if (fits) fits = allocated(order%lanes%group_size) .or. .not. have_lanes
     if (fits) return
     if (allocated(order%contact)) deallocate (order%contact, order%chosen, order%groups_of)
     n = wanted + wanted/8 + 1
     allocate (order%contact(n), order%chosen(n))
     order%dealt%n = 0
     allocate (order%groups_of(problem%n_bodies), source=0_i8)
-    if (allocated(order%group_size)) deallocate (order%group_size)
-    if (have_lanes) allocate (order%group_size(n))
+    if (allocated(order%lanes%group_size)) deallocate (order%lanes%group_size)
+    if (have_lanes) allocate (order%lanes%group_size(n))
   end subroutine make_room
 
   !> Copy slots, records and impulses one by one, from a first contact on.
@@ -319,11 +307,11 @@ contains
     if (order%blocks%n == 0) call deal(order, problem, 1, order%n)
     do b = 1, order%blocks%n
       call deal(order, problem, order%blocks%last(b - 1) + 1, order%blocks%last(b))
-      order%blocks%last_group(b) = order%n_groups
+      order%blocks%last_group(b) = order%lanes%n_groups
       order%blocks%last_solid_group(b) = order%solids%n_groups
       order%blocks%last_row(b) = order%solids%n_rows
     end do
-    call order%dealt%note(problem, is_wanted, [order%n_groups, order%solids%n_groups, order%solids%n_rows])
+    call order%dealt%note(problem, is_wanted, [order%lanes%n_groups, order%solids%n_groups, order%solids%n_rows])
   end subroutine deal_all
 
   !> Take the groups of the last dealing, without those that were added to them.
@@ -331,7 +319,7 @@ contains
     type(sweep_order_t), intent(inout) :: order
 
     order%n = order%dealt%n
-    order%n_groups = order%dealt%groups(1)
+    order%lanes%n_groups = order%dealt%groups(1)
     order%solids%n_groups = order%dealt%groups(2)
     order%solids%n_rows = order%dealt%groups(3)
   end subroutine take_groups
@@ -346,109 +334,13 @@ contains
     case (solid_frictional)
       call deal_chains(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%solids)
     case (round_frictional)
-      call deal_blocks(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%n_groups, &
-                       order%group_size)
+      call deal_blocks(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%lanes%n_groups, &
+                       order%lanes%group_size)
     case (arm_frictional, ball_frictional)
-      call deal_lanes(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%n_groups, order%group_size)
+      call deal_lanes(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end), order%lanes%n_groups, &
+                      order%lanes%group_size)
     case default
       call deal_blocks(order%chosen(begin:end), problem, order%groups_of, order%contact(begin:end))
     end select
   end subroutine deal
-
-  !> Put records and impulses side by side, group by group, from a first group and its first contact on.
-  subroutine fill_lanes(order, problem, first_group, first, is_done)
-    type(sweep_order_t), intent(inout) :: order
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: first_group, first
-    logical, intent(out) :: is_done !! false where the law of a contact has no place in lanes
-
-    if (first_group > 1) then
-      ! Reals of a lane stay: a law that they have no place for is for an order that is set again.
-      call reserve(order%lane_pair, order%n_groups)
-      call reserve(order%lane_record, order%n_groups)
-      call reserve(order%lane_impulse, order%n_groups)
-      call share_lanes(order, problem, first_group, order%n_groups, first, is_done)
-      return
-    end if
-    call make_lanes(order, problem, .true.)
-    call share_lanes(order, problem, 1, order%n_groups, 1, is_done)
-    if (is_done .or. problem%kind /= round_frictional) return
-    call make_lanes(order, problem, .false.)
-    call share_lanes(order, problem, 1, order%n_groups, 1, is_done)
-  end subroutine fill_lanes
-
-  !> Room for all groups, and what plain records of disks share.
-  pure subroutine make_lanes(order, problem, may_be_plain)
-    type(sweep_order_t), intent(inout) :: order
-    type(problem_t), intent(in) :: problem
-    logical, intent(in) :: may_be_plain !! may records of disks be plain?
-    integer :: length, n
-
-    select case (problem%kind)
-    case (round_frictional)
-      order%shared = shared_of(order%n, order%contact, problem%record)
-      ! Rates of a cell change biases, along tangents too.
-      length = merge(plain_length_of_disks, lane_length_of_disks, may_be_plain .and. .not. problem%cell%is_on)
-    case (ball_frictional)
-      length = record_length(ball_frictional)
-    case default
-      length = lane_length_of_arms
-    end select
-    if (allocated(order%lane_pair)) then
-      if (size(order%lane_pair, 3) >= order%n_groups .and. size(order%lane_record, 2) == length) return
-      deallocate (order%lane_pair, order%lane_record, order%lane_impulse)
-    end if
-    n = order%n_groups + order%n_groups/8
-    allocate (order%lane_pair(lanes, 2, n), order%lane_record(lanes, length, n), &
-              order%lane_impulse(lanes, impulse_length(problem%kind), n))
-  end subroutine make_lanes
-
-  !> Fill groups in room that is there; threads share them.
-  subroutine share_lanes(order, problem, first_group, last_group, first, is_done)
-    type(sweep_order_t), intent(inout) :: order
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: first_group, last_group, first
-    logical, intent(out) :: is_done
-    type(share_t) :: share
-    type(piece_t) :: piece
-    logical, allocatable :: are_done(:)
-    integer :: t, before
-
-    call begin_share(share, last_group - first_group + 1, least_groups)
-    allocate (are_done(share%pieces), source=.true.)
-    !$omp taskloop default(shared) private(t, before, piece) grainsize(1) if (share%pieces > 1)
-    do t = 1, n_sharing()
-      do while (takes(share, piece))
-        before = sum(order%group_size(first_group:first_group + piece%first - 2))
-        call put_lanes(order, problem, first_group + piece%first - 1, first_group + piece%last - 1, first + before, &
-                       are_done(piece%number))
-      end do
-    end do
-    is_done = all(are_done)
-  end subroutine share_lanes
-
-  !> Fill some of them.
-  pure subroutine put_lanes(order, problem, first_group, last_group, first, is_done)
-    type(sweep_order_t), intent(inout) :: order
-    type(problem_t), intent(in) :: problem
-    integer, intent(in) :: first_group, last_group, first
-    logical, intent(out) :: is_done
-
-    associate (sizes => order%group_size, contact => order%contact, pair => problem%pair, record => problem%record, &
-               r => problem%impulse)
-      select case (problem%kind)
-      case (round_frictional)
-        call put_round_lanes(first_group, last_group, first, size(order%lane_record, 2), order%shared, sizes, contact, pair, &
-                             record, r, order%lane_pair, order%lane_record, order%lane_impulse, is_done)
-        is_done = is_done .or. size(order%lane_record, 2) == lane_length_of_disks
-      case (ball_frictional)
-        is_done = .true.
-        call put_ball_lanes(first_group, last_group, first, sizes, contact, pair, record, r, order%lane_pair, order%lane_record, &
-                            order%lane_impulse)
-      case default
-        call put_arm_lanes(first_group, last_group, first, sizes, contact, pair, record, r, order%lane_pair, order%lane_record, &
-                           order%lane_impulse, is_done)
-      end select
-    end associate
-  end subroutine put_lanes
 end module sg_sweep_order

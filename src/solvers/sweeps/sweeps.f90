@@ -1,6 +1,7 @@
 !> One sweep over contacts in a chosen order, by the kernel of the problem's kind.
 module sg_sweeps
   use, intrinsic :: iso_c_binding, only: c_int
+  use sg_contact_lanes, only: contact_lanes_t
   use sg_iterates, only: iterates_t, takes_momentum
   use sg_kinds, only: wp, i4
   use sg_records, only: arm_bonded, arm_frictional, arm_frictionless, arm_mixed, arm_rolling, ball_frictional, ball_frictionless, &
@@ -40,8 +41,8 @@ contains
 
     if (order%blocks%n > 0) then
       call sweep_colours(kind, order, n_bodies, relaxation, body, past)
-    else if (order%n_groups > 0) then
-      call sweep_groups(kind, order, 1, order%n_groups, n_bodies, relaxation, body)
+    else if (order%lanes%n_groups > 0) then
+      call sweep_groups(kind, order%lanes, 1, order%lanes%n_groups, n_bodies, relaxation, body)
     else if (.not. takes_momentum(order)) then
       call sweep_run(kind, order%n, n_bodies, order%pair, order%record, relaxation, order%impulse, body)
     else if (present(past)) then
@@ -112,8 +113,9 @@ contains
     integer :: first, last
 
     sums = 0
-    if (order%n_groups > 0) then
-      call sweep_groups(kind, order, order%blocks%last_group(b - 1) + 1, order%blocks%last_group(b), n_bodies, relaxation, body)
+    if (order%lanes%n_groups > 0) then
+      call sweep_groups(kind, order%lanes, order%blocks%last_group(b - 1) + 1, order%blocks%last_group(b), n_bodies, relaxation, &
+                        body)
     else if (.not. takes_momentum(order)) then
       first = order%blocks%last(b - 1) + 1
       last = order%blocks%last(b)
@@ -131,19 +133,19 @@ contains
   end subroutine sweep_block
 
   !> Sweep groups of contacts side by side.
-  pure subroutine sweep_groups(kind, order, first, last, n_bodies, relaxation, body)
+  pure subroutine sweep_groups(kind, lanes, first, last, n_bodies, relaxation, body)
     integer, intent(in) :: kind, first, last, n_bodies
-    type(sweep_order_t), intent(inout) :: order
+    type(contact_lanes_t), intent(inout) :: lanes
     real(wp), intent(in) :: relaxation
     real(wp), intent(inout), contiguous :: body(:, :)
 
-    associate (pair => order%lane_pair(:, :, first:last), record => order%lane_record(:, :, first:last), &
-               impulse => order%lane_impulse(:, :, first:last))
+    associate (pair => lanes%pair(:, :, first:last), record => lanes%record(:, :, first:last), &
+               impulse => lanes%impulse(:, :, first:last))
       select case (kind)
       case (round_frictional)
         call sweep_round_lanes(int(last - first + 1, c_int), &
-                               merge(1_c_int, 0_c_int, size(order%lane_record, 2) == plain_length_of_disks), int(n_bodies, c_int), &
-                               pair, record, order%shared, relaxation, impulse, body)
+                               merge(1_c_int, 0_c_int, size(lanes%record, 2) == plain_length_of_disks), int(n_bodies, c_int), &
+                               pair, record, lanes%shared, relaxation, impulse, body)
       case (ball_frictional)
         call sweep_ball_lanes(int(last - first + 1, c_int), pair, record, relaxation, impulse, body)
       case default

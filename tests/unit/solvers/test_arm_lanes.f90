@@ -144,7 +144,7 @@ contains
       end associate
     end do
     call set_order(order, problem, is_wanted, with_copies)
-    call t%check(order%n_groups >= n/lanes, 'contacts of bodies that nothing moves lie side by side')
+    call t%check(order%lanes%n_groups >= n/lanes, 'contacts of bodies that nothing moves lie side by side')
     impulse = order%impulse(:, :n)
     body = problem%body
     call sweep_arm_frictional(n, 2, order%pair, order%record, 1.0_wp, impulse, body)
@@ -182,15 +182,15 @@ contains
     call random_problem(random, 60, n, problem)
     is_wanted = .true.
     call set_order(plain, problem, is_wanted, solver_options_t())
-    call t%check(plain%n_groups > 0 .and. .not. plain%has_copies, 'plain laws: side by side alone')
+    call t%check(plain%lanes%n_groups > 0 .and. .not. plain%has_copies, 'plain laws: side by side alone')
     do i = 1, size(place)
       problem%record(place(i), n/2) = merge(2.0_wp, 0.1_wp, place(i) == arm_law)
       call set_order(order, problem, is_wanted, solver_options_t())
-      call t%check(order%n_groups == 0 .and. order%has_copies, 'another law: one by one')
+      call t%check(order%lanes%n_groups == 0 .and. order%has_copies, 'another law: one by one')
       call t%check(all(order%contact(:n) == plain%contact(:n)), 'another law: the same order')
       problem%record(place(i), n/2) = merge(1.0_wp, 0.0_wp, place(i) == arm_law)
       call set_order(order, problem, is_wanted, solver_options_t())
-      call t%check(order%n_groups == plain%n_groups, 'side by side again')
+      call t%check(order%lanes%n_groups == plain%lanes%n_groups, 'side by side again')
     end do
   end subroutine test_special
 
@@ -218,7 +218,7 @@ contains
       if (i == 2) problem%record(arm_cohesion, late) = 0.3_wp
       call update_order(order, problem, is_wanted, is_ordered, options)
       call t%check(order%n == n .and. all(is_ordered), 'the late contact has come')
-      call t%check(i == 1 .eqv. order%n_groups > 0, 'side by side where laws are plain')
+      call t%check(i == 1 .eqv. order%lanes%n_groups > 0, 'side by side where laws are plain')
       impulse = problem%impulse(:, order%contact(:n))
       body = problem%body
       call sweep_arm_frictional(n, 60, problem%pair(:, order%contact(:n)), problem%record(:, order%contact(:n)), 1.0_wp, &

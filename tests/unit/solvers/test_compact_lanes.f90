@@ -135,7 +135,7 @@ contains
     is_wanted = [(modulo(k, 13) > 0, k=1, n)]
     call set_order(order, problem, is_wanted, with_copies)
     if (kind == round_frictional) &
-      call t%equal(size(order%lane_record, 2), merge(plain_length_of_disks, lane_length_of_disks, are_plain), 'reals of a lane')
+      call t%equal(size(order%lanes%record, 2), merge(plain_length_of_disks, lane_length_of_disks, are_plain), 'reals of a lane')
     problem%impulse(1, :n) = problem%impulse(1, :n) + 0.1_wp
     problem%record(merge(round_bias_n, ball_bias_x, kind == round_frictional), :n) = 0.05_wp
     call put_impulses(order, problem)
@@ -158,14 +158,14 @@ contains
     is_wanted([77, 400]) = .false.
     is_ordered = is_wanted
     call set_order(order, problem, is_wanted, options)
-    call t%equal(size(order%lane_record, 2), plain_length_of_disks, 'without it: plain')
+    call t%equal(size(order%lanes%record, 2), plain_length_of_disks, 'without it: plain')
     is_wanted(400) = .true.
     call update_order(order, problem, is_wanted, is_ordered, options)
-    call t%equal(size(order%lane_record, 2), plain_length_of_disks, 'with another plain one: plain')
+    call t%equal(size(order%lanes%record, 2), plain_length_of_disks, 'with another plain one: plain')
     call t%check(is_ordered(400), 'that one was added')
     is_wanted(77) = .true.
     call update_order(order, problem, is_wanted, is_ordered, options)
-    call t%equal(size(order%lane_record, 2), lane_length_of_disks, 'with it: not plain')
+    call t%equal(size(order%lanes%record, 2), lane_length_of_disks, 'with it: not plain')
     call t%check(all(is_ordered), 'it was added too')
     call t%equal(order%n, 800, 'all contacts')
   end subroutine test_added

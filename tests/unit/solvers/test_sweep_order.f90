@@ -203,15 +203,15 @@ contains
     integer :: n
 
     n = a%n
-    are_alike = a%n == b%n .and. a%n_groups == b%n_groups .and. a%solids%n_groups == b%solids%n_groups .and. &
+    are_alike = a%n == b%n .and. a%lanes%n_groups == b%lanes%n_groups .and. a%solids%n_groups == b%solids%n_groups .and. &
                 a%solids%n_rows == b%solids%n_rows
     if (.not. are_alike .or. n == 0) return
     are_alike = all(a%contact(:n) == b%contact(:n))
-    if (a%n_groups > 0) then
-      n = a%n_groups
-      are_alike = are_alike .and. all(a%group_size(:n) == b%group_size(:n)) .and. &
-                  all(a%lane_pair(:, :, :n) == b%lane_pair(:, :, :n)) .and. &
-                  .not. any(abs(a%lane_record(:, :, :n) - b%lane_record(:, :, :n)) > 0)
+    if (a%lanes%n_groups > 0) then
+      n = a%lanes%n_groups
+      are_alike = are_alike .and. all(a%lanes%group_size(:n) == b%lanes%group_size(:n)) .and. &
+                  all(a%lanes%pair(:, :, :n) == b%lanes%pair(:, :, :n)) .and. &
+                  .not. any(abs(a%lanes%record(:, :, :n) - b%lanes%record(:, :, :n)) > 0)
     else if (a%solids%n_groups > 0) then
       n = a%solids%n_groups
       are_alike = are_alike .and. all(a%solids%last_row(:n) == b%solids%last_row(:n)) .and. &
