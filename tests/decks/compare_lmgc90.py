@@ -20,7 +20,7 @@ import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lmgc90_reference import Reference, read_references, read_steps
+from lmgc90_reference import SCHEME, Reference, read_references, read_steps
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from manual_pages import put, table
@@ -81,8 +81,8 @@ def cases(decks):
             found.append(Case(f"{name}, {steps} steps", decks / name, reference, final, blocks))
     folder = decks / "DDM_2d_rough_box"
     sweeps = [int(w) for w in re.search(r"^serial: ([\d ]+)", (folder / "reference.txt").read_text(), re.M)[1].split()]
-    keys = {"time.step": 5e-3, "time.theta": 0.5, "solver.method": "nlgs", "solver.criterion": "qm16", "solver.tolerance": 1e-4,
-            "solver.check_every": 1, "solver.maximum_sweeps": 10000}
+    keys = {**SCHEME, "time.step": 5e-3, "time.theta": 0.5, "solver.method": "nlgs", "solver.criterion": "qm16",
+            "solver.tolerance": 1e-4, "solver.check_every": 1, "solver.maximum_sweeps": 10000}
     for steps in (8, 50):
         reference = Reference(keys | {"time.steps": steps}, {"sweeps_total": sum(sweeps[:steps])}, sweeps[:steps])
         found.append(Case(f"DDM_2d_rough_box, {steps} steps", folder, reference, folder / f"final_step{steps}_serial.npz"))
@@ -272,6 +272,7 @@ def detect_there(program, case, work):
     A restart file is brought there and given no velocity, so that our next step seeks contacts exactly there.
     """
     import h5py
+    from checkpoints import replace
 
     start = run(program, case, work, {"time.steps": 1}, ["--set", "restart.every=1"])
     there, speed = coordinates(case)
@@ -280,9 +281,9 @@ def detect_there(program, case, work):
     file = start.folder / start.run["file_restart"].split("/")[-1]
     with h5py.File(file, "r+") as state:
         bodies = state["bodies"]
-        bodies["position"][:] = there[:, :2]
-        bodies["angle"][:] = there[:, 2]
-        bodies["velocity"][:] = 0
+        replace(bodies["position"], there[:, :2])
+        replace(bodies["angle"], there[:, 2])
+        replace(bodies["velocity"], 0)
     result = run(program, case, work, {"time.steps": 2, "solver.maximum_sweeps": 1, "solver.check_every": 1}, ["--restart", file])
     return result.run["contacts"], result.run["max_penetration"]
 
@@ -324,8 +325,8 @@ def membrane_table(program, case, work):
 def bench_table(program, folder, work):
     """Throughput on a compressed lattice."""
     theirs = json.loads((folder / "reference_SDL.json").read_text())
-    keys = {"time.step": 1e-3, "time.steps": 3, "solver.method": "nlgs", "solver.criterion": "quad", "solver.tolerance": 1e-40,
-            "solver.check_every": 50, "solver.maximum_sweeps": theirs["iters"]}
+    keys = {**SCHEME, "time.step": 1e-3, "time.steps": 3, "solver.method": "nlgs", "solver.criterion": "quad",
+            "solver.tolerance": 1e-40, "solver.check_every": 50, "solver.maximum_sweeps": theirs["iters"]}
     if theirs["kind"] != "disk":
         keys["scene.dimension"] = 3
     ours = run(program, Case("bench", folder, Reference(keys, {})), work)

@@ -19,7 +19,7 @@ import tempfile
 from pathlib import Path
 
 from compare_lmgc90 import shared_decks
-from lmgc90_reference import CRITERIA
+from lmgc90_reference import CRITERIA, SCHEME
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from manual_pages import put, table
@@ -37,7 +37,7 @@ masses by the 2.8e-8 of LMGC90's pi in single precision"""
 def keys_of(reference, dimension, folder, way):
     """Deck keys that repeat the reference's run."""
     norm, tolerance, relaxation, between, blocks = reference["solver"]
-    keys = {"scene.dimension": dimension, "scene.datbox": str(folder), "time.step": reference["time_step"],
+    keys = {**SCHEME, "scene.dimension": dimension, "scene.datbox": str(folder), "time.step": reference["time_step"],
             "time.theta": reference["theta"], "time.steps": reference[way]["steps"], "solver.method": "nlgs",
             "solver.criterion": CRITERIA[norm.strip()],
             "solver.tolerance": tolerance, "solver.check_every": between, "solver.maximum_sweeps": between * blocks,

@@ -5,6 +5,8 @@ import re
 from dataclasses import dataclass, field
 
 CRITERIA = {"Quad": "quad", "QM/16": "qm16", "Maxm": "maxm"}
+# LMGC90 leaves overlap that was made.
+SCHEME = {"time.recovery": 0.0}
 NUMBER = r"[-+]?\d[\d.]*(?:[eEdD][-+]?\d+)?"
 
 
@@ -32,8 +34,7 @@ def parameters(text):
     def value(name):
         return re.search(rf"^\s*{name}\s*=\s*(\S.*)$", text, re.M)[1].strip().strip("'").strip()
 
-    keys = {
-        "time.step": float(value("dt")),
+    keys = {**SCHEME, "time.step": float(value("dt")),
         "time.steps": int(value("nb_steps")),
         "time.theta": float(value("theta")),
         "solver.method": "nlgs",
@@ -74,7 +75,7 @@ def read_steps(file):
         return re.search(rf"\b{name}=(\S+)", text)[1].strip("';")
 
     step, every = float(value("dt")), int(value("gs_it1"))
-    keys = {"scene.dimension": 3, "time.step": step, "time.theta": float(value("theta")),
+    keys = {**SCHEME, "scene.dimension": 3, "time.step": step, "time.theta": float(value("theta")),
             "solver.method": "nlgs", "solver.criterion": CRITERIA[value("norm")], "solver.tolerance": float(value("tol")),
             "solver.check_every": every, "solver.maximum_sweeps": every * int(value("gs_it2"))}
     sweeps = [int(w) for w in re.search(r"sweeps per step:\s*([ \d]+)", text)[1].split()]

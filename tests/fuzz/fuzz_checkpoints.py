@@ -12,6 +12,9 @@ import numpy as np
 from fuzz_fclib import spoil_bytes
 from fuzz_harness import SOURCE, Outcome, fuzz, judge, run
 
+sys.path.insert(0, str(SOURCE / "tests/support"))
+from checkpoints import replace, seal
+
 SCENES = {"arch": 3, "polygons_settling": 2, "spheres_in_a_box": 3, "lattice_frictionless": 2, "rolling_sphere": 2, "biaxial": 1}
 """Decks, and how many steps of them lie between two checkpoints"""
 REALS = ("time", "built", "bodies/position", "bodies/velocity", "bodies/angle", "bodies/orientation", "contacts/impulse")
@@ -128,17 +131,7 @@ def set_one(rng, content, name, values):
     if item.size:
         data = item[()]
         data.flat[rng.randrange(data.size)] = rng.choice(values)
-        item[...] = data
-        item.attrs["check_sum"] = check_sum(data)
-
-
-def check_sum(data):
-    """The check sum that sg_sealed_datasets keeps with a dataset."""
-    prime, total = 2**31 - 1, 0
-    for place, bits in enumerate(np.asarray(data, "f8").ravel().view("u8").tolist(), 1):
-        low, middle, high = bits & prime, bits >> 31 & prime, bits >> 62
-        total += place % prime * (((low + 1103515245 * middle) % prime + 12345701 * high + 1) % prime)
-    return np.int64(total % prime)
+        replace(item, data)
 
 
 def reshape(rng, content):
@@ -158,7 +151,7 @@ def reshape(rng, content):
     elif way == 4:
         content.create_dataset(name, (2**30, *data.shape[1:]), data.dtype, chunks=(4096, *data.shape[1:]))
     if way < 3:
-        content[name].attrs["check_sum"] = check_sum(content[name][()])
+        seal(content[name])
 
 
 if __name__ == "__main__":
