@@ -1,4 +1,5 @@
-!> Criteria that look at increments: several ranks find the value that one rank finds.
+!> Criteria that look at increments: several ranks find the value that one rank finds, and sweeps that leave contacts out find that
+!! of all.
 program test_increments_ranks
   use fresh_simulations, only: fresh
   use harness, only: tests_t
@@ -6,6 +7,7 @@ program test_increments_ranks
   use sg_choose_solver, only: choose_solver
   use sg_comm, only: comm_t
   use sg_compact, only: add_impulses
+  use sg_contact_sets, only: contact_sets_t
   use sg_error, only: error_t
   use sg_increments, only: increment_value, increments_t, n_increment_maxima, n_increment_sums
   use sg_kinds, only: wp
@@ -14,6 +16,7 @@ program test_increments_ranks
   use sg_run_options, only: criterion_maxm, criterion_names, criterion_qm16, criterion_quad, solver_options_t
   use sg_simulation, only: decompose, simulation_t
   use sg_sweep_order, only: set_order, sweep_order_t
+  use sg_whole_errors, only: whole_errors_t
   use subdomain_tests, only: on_subdomains
   implicit none
   character(len=*), parameter :: gluings(3) = [character(len=8) :: 'dual', 'primal', 'momentum']
@@ -61,6 +64,7 @@ contains
     sim%options%partition%boxes = [comm%size, 1, 1]
     sim%options%solver%maximum_sweeps = 0
     call values_of_one(comm, name, values)
+    if (comm%size == 1) call test_left_out(comm, name, values)
     if (comm%size == 1) return
     call decompose(sim, error)
     call t%check(.not. allocated(error), name//': split')
@@ -75,6 +79,36 @@ contains
                   name//', '//gluing//': '//trim(criterion_names(criteria(c))))
     end do
   end subroutine test_pack
+
+  !> The same where sweeps visit every second contact.
+  subroutine test_left_out(comm, name, values)
+    type(comm_t), intent(inout) :: comm
+    character(len=*), intent(in) :: name
+    real(wp), intent(in) :: values(:)
+    type(simulation_t), pointer :: sim
+    type(problem_t) :: problem
+    type(contact_sets_t) :: sets
+    type(whole_errors_t) :: errors
+    type(report_t) :: report
+    integer :: c, k
+
+    sim => fresh()
+    call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
+    call advance_pack(t, name, sim, 60)
+    call next_problem(sim, problem)
+    call add_impulses(problem)
+    call sets%begin(problem, solver_options_t(criterion=criterion_quad))
+    sets%active_set%is_wanted(:problem%n_contacts) = [(modulo(k, 2) == 0, k=1, problem%n_contacts)]
+    call sets%arrange(problem)
+    call t%equal(sets%order(1)%n, problem%n_contacts/2, name//': half of the contacts are visited')
+    do c = 1, size(criteria)
+      errors%criterion = criteria(c)
+      call errors%prepare(problem, .false., comm)
+      call errors%begin(problem, .true., sets, comm)
+      call errors%finish(report, comm)
+      call t%near(errors%increments, values(c), 1e-9_wp*values(c), name//', half visited: '//trim(criterion_names(criteria(c))))
+    end do
+  end subroutine test_left_out
 
   !> The same by one rank that holds all.
   subroutine values_of_one(comm, name, values)

@@ -54,6 +54,7 @@ module sg_contact_sets
     procedure :: measure => sets_measure
     procedure :: find_worst => sets_find_worst
     procedure :: choose => sets_choose
+    procedure :: mark_hit => sets_mark_hit
     procedure :: go_on => sets_go_on
     procedure :: restore => sets_restore
     procedure :: sweep => sets_sweep
@@ -211,6 +212,21 @@ contains
     call self%arrange(problem)
     if (goes_on) call self%nesterov%resume(self%order, self%active_set%is_ordered(:problem%n_contacts), problem)
   end subroutine sets_choose
+
+  !> Mark contacts of a single set that are not visited, and close or touch, right after errors are measured.
+  pure subroutine sets_mark_hit(self, is_hit)
+    class(contact_sets_t), intent(in) :: self !! arranged
+    logical, intent(out), contiguous :: is_hit(:) !! the marks, shape (contacts)
+
+    associate (n => size(is_hit), active_set => self%active_set)
+      if (self%errors%is_set) then
+        call self%errors%choose(self%order(1), active_set%is_ordered(:n), 0.0_wp, is_hit)
+      else
+        is_hit = active_set%closing(:n) <= 0
+      end if
+      is_hit = is_hit .and. .not. active_set%is_ordered(:n)
+    end associate
+  end subroutine sets_mark_hit
 
   !> Let impulses and velocities go on before the next round.
   subroutine sets_go_on(self, problem, is_sweep, comm)

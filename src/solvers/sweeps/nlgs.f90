@@ -141,7 +141,7 @@ contains
 
   !> Begin with all contacts; or, where impulses are guessed, without those that stay open: in a calm problem by what opens without
   !! impulses, else by a test. Later tests bring back contacts that were missed. Criteria that look at increments begin with all,
-  !! since increments are of no contact left out.
+  !! as LMGC90 does.
   subroutine choose_first(self, problem, comm, report)
     class(nlgs_t), intent(inout) :: self
     type(problem_t), intent(inout) :: problem

@@ -162,24 +162,41 @@ contains
     end if
   end subroutine sum_one_by_one
 
-  !> What all contacts of this rank ask: in the order of sweep where there is one, else in their natural order.
+  !> What all contacts of this rank ask, after their errors are measured: in the order of the sweep where there is one, with those
+  !! that are not visited and are hit; else in their natural order.
   subroutine measure_increments(self, problem, sets, sums)
     class(whole_errors_t), intent(inout) :: self
     type(problem_t), intent(in) :: problem
     type(contact_sets_t), intent(in) :: sets
-    real(wp), intent(out) :: sums(:)
+    real(wp), intent(out) :: sums(n_increment_sums)
+    real(wp) :: more(n_increment_sums), maxima(n_increment_maxima)
     logical :: is_wanted(problem%n_contacts)
-    type(solver_options_t) :: natural
 
-    if (sets%n == 1 .and. sets%is_arranged) then
-      call self%asked%measure(problem, sets%order(1), sums, self%maxima)
+    if (.not. (sets%n == 1 .and. sets%is_arranged)) then
+      is_wanted = .true.
+      call measure_marked(self, problem, is_wanted, sums, self%maxima)
       return
     end if
-    is_wanted = .true.
+    call self%asked%measure(problem, sets%order(1), sums, self%maxima)
+    call sets%mark_hit(is_wanted)
+    if (.not. any(is_wanted)) return
+    call measure_marked(self, problem, is_wanted, more, maxima)
+    sums = sums + more
+    self%maxima = max(self%maxima, maxima)
+  end subroutine measure_increments
+
+  !> The same for some contacts, in their natural order.
+  subroutine measure_marked(self, problem, is_wanted, sums, maxima)
+    class(whole_errors_t), intent(inout) :: self
+    type(problem_t), intent(in) :: problem
+    logical, intent(in) :: is_wanted(:)
+    real(wp), intent(out) :: sums(n_increment_sums), maxima(n_increment_maxima)
+    type(solver_options_t) :: natural
+
     natural%order = 'natural'
     call set_order(self%order, problem, is_wanted, natural)
-    call self%asked%measure(problem, self%order, sums, self%maxima)
-  end subroutine measure_increments
+    call self%asked%measure(problem, self%order, sums, maxima)
+  end subroutine measure_marked
 
   !> Take the errors of the whole problem from the sums that were begun.
   subroutine errors_finish(self, report, comm)
