@@ -19,6 +19,7 @@ import sys
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
+from textwrap import fill
 
 from lmgc90_reference import SCHEME, Reference, read_references, read_steps
 
@@ -202,8 +203,8 @@ def sweeps_line(case, ours):
     """Sweeps of the first steps."""
     mine = [int(row["sweeps"]) for row in ours.rows[:50]]
     n = min(len(mine), len(case.reference.sweeps))
-    return (f"Sweeps of steps 1 to {n}, ours: {' '.join(map(str, mine[:n]))}; "
-            f"LMGC90: {' '.join(map(str, case.reference.sweeps[:n]))}.\n")
+    return fill(f"Sweeps of steps 1 to {n}, ours: {' '.join(map(str, mine[:n]))}; "
+                f"LMGC90: {' '.join(map(str, case.reference.sweeps[:n]))}.", 120) + "\n"
 
 
 def coordinates(case):

@@ -5,8 +5,8 @@ import re
 from dataclasses import dataclass, field
 
 CRITERIA = {"Quad": "quad", "QM/16": "qm16", "Maxm": "maxm"}
-# LMGC90 leaves overlap that was made.
-SCHEME = {"time.recovery": 0.0}
+# LMGC90 leaves overlap that was made, and looks for all contacts in every step.
+SCHEME = {"time.recovery": 0.0, "scene.kept_motion": 0.0}
 NUMBER = r"[-+]?\d[\d.]*(?:[eEdD][-+]?\d+)?"
 
 
