@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Run the real decks of LMGC90 by their reference parameters and lay both codes' figures side by side.
 
-Usage: compare_lmgc90.py PROGRAM [--only DECK ...] [--write FILE]
+Usage: compare_lmgc90.py PROGRAM [--only DECK ...] [--write FILE] [--check]
 
 PROGRAM is the splitgrain executable. The decks are looked for in ${SPLITGRAIN_SHARED}, else in ../shared beside the
 source; without them one line is said and nothing is done. --write puts the tables between the two markers of FILE
-(doc/verification.md); otherwise they are printed. Needs numpy and h5py, as postpro does.
+(doc/verification.md); otherwise they are printed. --check fails where contacts that LMGC90 found in its last configuration are
+not found there: their deepest penetration to seven digits, and of disks their number. Needs numpy and h5py, as postpro does, and
+does nothing without.
 """
 
 import argparse
@@ -18,6 +20,7 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from textwrap import fill
 
@@ -345,8 +348,21 @@ def bench_table(program, folder, work):
     return table(["", "ours", "LMGC90"], rows)
 
 
-def all_tables(program, decks, chosen, work):
-    """The text between the markers."""
+def missed(case, contacts, depth):
+    """What is not as LMGC90 found it."""
+    theirs, faults = case.reference.figures.get("contacts"), []
+    if theirs is None:
+        return faults
+    # Its polygons keep other points of a pair (doc/verification.md).
+    if "DK" in case.folder.name and contacts != theirs:
+        faults.append(f"{case.name}: {contacts} contacts, not {theirs}")
+    if abs(depth / last_violation(case) - 1) > 1e-7:
+        faults.append(f"{case.name}: deepest penetration {depth}, not {last_violation(case)}")
+    return faults
+
+
+def all_tables(program, decks, chosen, work, faults):
+    """The text between the markers; what is not as LMGC90 found it is added to the faults."""
     chosen_cases = [case for case in cases(decks) if not chosen or case.folder.name in chosen]
     text, summary, places, found, by_residual, spread = [], [], [], [], [], []
     for case in chosen_cases:
@@ -370,6 +386,7 @@ def all_tables(program, decks, chosen, work):
             # The last state of a deck in space tells no orientation: LMGC90's configuration cannot be set up.
             if dimension_of(case) == 2:
                 contacts, depth = detect_there(program, case, work)
+                faults += missed(case, contacts, depth)
                 found.append([case.name, contacts, show(theirs.get("contacts")), show(depth, 8),
                               show(last_violation(case), 8) if "contacts" in theirs else ""])
         for result in (ours, estimated):
@@ -402,17 +419,24 @@ def main():
     parser.add_argument("program", type=Path)
     parser.add_argument("--only", nargs="+", metavar="DECK")
     parser.add_argument("--write", type=Path, metavar="FILE")
+    parser.add_argument("--check", action="store_true")
     arguments = parser.parse_args()
+    if any(find_spec(name) is None for name in ("numpy", "h5py")):
+        print("skipped: numpy and h5py are not at hand")
+        return
     decks = shared_decks()
     if decks is None:
         print("skipped: no decks of LMGC90 in ${SPLITGRAIN_SHARED} or ../shared")
         return
     with tempfile.TemporaryDirectory() as work:
-        tables = all_tables(arguments.program.resolve(), decks, arguments.only, Path(work))
+        faults = []
+        tables = all_tables(arguments.program.resolve(), decks, arguments.only, Path(work), faults)
     if arguments.write is None:
         print(tables)
-        return
-    put(arguments.write, "tables", tables)
+    else:
+        put(arguments.write, "tables", tables)
+    if arguments.check and faults:
+        sys.exit("\n".join(faults))
 
 
 if __name__ == "__main__":
