@@ -85,18 +85,13 @@ contains
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     real(wp), intent(in) :: values(:)
-    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     type(contact_sets_t) :: sets
     type(whole_errors_t) :: errors
     type(report_t) :: report
     integer :: c, k
 
-    sim => fresh()
-    call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
-    call advance_pack(t, name, sim, 60)
-    call next_problem(sim, problem)
-    call add_impulses(problem)
+    call make_problem(comm, name, problem)
     call sets%begin(problem, solver_options_t(criterion=criterion_quad))
     sets%active_set%is_wanted(:problem%n_contacts) = [(modulo(k, 2) == 0, k=1, problem%n_contacts)]
     call sets%arrange(problem)
@@ -115,7 +110,6 @@ contains
     type(comm_t), intent(inout) :: comm
     character(len=*), intent(in) :: name
     real(wp), intent(out) :: values(:)
-    type(simulation_t), pointer :: sim
     type(problem_t) :: problem
     type(increments_t) :: increments
     type(sweep_order_t) :: order
@@ -123,11 +117,7 @@ contains
     logical, allocatable :: is_wanted(:)
     integer :: c
 
-    sim => fresh()
-    call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
-    call advance_pack(t, name, sim, 60)
-    call next_problem(sim, problem)
-    call add_impulses(problem)
+    call make_problem(comm, name, problem)
     allocate (is_wanted(problem%n_contacts), source=.true.)
     call set_order(order, problem, is_wanted, solver_options_t(criterion=criterion_quad))
     call increments%measure(problem, order, sums, maxima)
@@ -137,4 +127,18 @@ contains
     call t%check(all(values > 1e-6_wp), name//': the guess is not the solution')
     call t%check(values(2) > values(1) .and. values(2) > values(3), name//': maxm is the largest of them')
   end subroutine values_of_one
+
+  !> The problem of a step on one rank, under its guess.
+  subroutine make_problem(comm, name, problem)
+    type(comm_t), intent(inout) :: comm
+    character(len=*), intent(in) :: name
+    type(problem_t), intent(out) :: problem
+    type(simulation_t), pointer :: sim
+
+    sim => fresh()
+    call start_pack(t, comm, name, pack_deck(name), 1e-3_wp, sim)
+    call advance_pack(t, name, sim, 60)
+    call next_problem(sim, problem)
+    call add_impulses(problem)
+  end subroutine make_problem
 end program test_increments_ranks
