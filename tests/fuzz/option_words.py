@@ -84,6 +84,9 @@ def fault_of_number(option, value, code, said):
     is_right = read(value, is_whole, LEAST.get(name, 0)) is not None
     if name == "bandwidth" and is_right and float(re.sub("[dD]", "e", value)) <= 0:
         return ""
+    # A walltime of next to nothing is over before the deck is looked for.
+    if name == "walltime" and is_right and code == 75:
+        return ""
     is_refused = code == 2 and f"option --{name} needs a" in said
     if is_refused == is_right or code not in (0, 2):
         return f"{'refused' if is_refused else 'taken'}, code {code}: {said.strip()[:200]}"
