@@ -5,15 +5,15 @@ Usage: compare_defo.py PROGRAM
 
 The DOF.INI of _Defo is what LMGC90 had after 100 steps of _Iso. The exit code is 1 where grains lie farther from theirs than a tenth of
 their mean way, in the mean: what the order of sweeps leaves at this tolerance is a fortieth. Where the decks are looked for, and
-where they are not there: see compare_lmgc90.py. Needs numpy and h5py.
+where they are not there: see compare_lmgc90.py. Needs numpy and h5py, and does nothing without.
 """
 
 import re
 import sys
 import tempfile
+from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
 from compare_lmgc90 import cases, run, shared_decks
 
 BODY = r"RBDY2\s+\d+\s(?:(?!RBDY2)[\s\S])*?NO3xx\s+1\s+"
@@ -22,11 +22,18 @@ STEPS = 100
 
 def values(path, names):
     """Two numbers of each body of a DATBOX file, in the order of the file (two numbers stand twice in BODIES.DAT of these decks)."""
+    import numpy as np
+
     pattern = re.compile(BODY + r"\s+".join(rf"{re.escape(name)}=\s*(\S+)" for name in names))
     return np.array([[float(word.replace("D", "E")) for word in pair] for pair in pattern.findall(path.read_text())])
 
 
 def main(program):
+    if any(find_spec(name) is None for name in ("numpy", "h5py")):
+        print("skipped: numpy and h5py are not at hand")
+        return 0
+    import numpy as np
+
     decks = shared_decks()
     if decks is None:
         print("compare_defo: no shared decks, nothing compared")
