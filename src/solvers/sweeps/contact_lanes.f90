@@ -166,15 +166,8 @@ contains
     type(problem_t), intent(in) :: problem !! problem being swept
     integer(i4), intent(in), contiguous :: contact(:) !! contacts of the groups
     type(contact_lanes_t), intent(inout) :: self !! its impulses are set
-    integer :: i, g, e
 
-    e = 0
-    do g = 1, self%n_groups
-      do i = 1, self%group_size(g)
-        e = e + 1
-        self%impulse(i, :, g) = problem%impulse(:, contact(e))
-      end do
-    end do
+    call put(self%n_groups, self%group_size, contact, 1, size(problem%impulse, 1), problem%impulse, self%impulse)
   end subroutine put_lane_impulses
 
   !> Copy biases from the problem to the lanes, which hold its contacts already.
@@ -182,18 +175,29 @@ contains
     type(problem_t), intent(in) :: problem !! problem being swept
     integer(i4), intent(in), contiguous :: contact(:) !! contacts of the groups
     type(contact_lanes_t), intent(inout) :: self !! its records change
-    integer :: first, last, i, g, e
+    integer :: first, last
 
     first = bias_place(problem%kind)
     last = first + force_length(problem%kind) - 1
     ! Plain disks have none along tangents.
     if (problem%kind == round_frictional .and. size(self%record, 2) == plain_length_of_disks) last = first
+    call put(self%n_groups, self%group_size, contact, first, last, problem%record, self%record)
+  end subroutine put_lane_biases
+
+  !> Copy some values of each contact into its lane.
+  pure subroutine put(n_groups, group_size, contact, first, last, values, own)
+    integer, intent(in) :: n_groups, first, last
+    integer(i4), intent(in), contiguous :: group_size(:), contact(:)
+    real(wp), intent(in), contiguous :: values(:, :)
+    real(wp), intent(inout), contiguous :: own(:, :, :)
+    integer :: i, g, e
+
     e = 0
-    do g = 1, self%n_groups
-      do i = 1, self%group_size(g)
+    do g = 1, n_groups
+      do i = 1, group_size(g)
         e = e + 1
-        self%record(i, first:last, g) = problem%record(first:last, contact(e))
+        own(i, first:last, g) = values(first:last, contact(e))
       end do
     end do
-  end subroutine put_lane_biases
+  end subroutine put
 end module sg_contact_lanes
