@@ -50,7 +50,7 @@ def draw(folder, path):
 
 def main(program, folder):
     folder, program = Path(folder), Path(program).resolve()
-    # Studies have no time steps of their own; stability cases are drawn by their tables.
+    # Studies have no time steps of their own; decks that stability tables vary have no pictures.
     decks = sorted(deck for deck in DECKS.rglob("*.toml")
                    if "extreme" not in deck.relative_to(DECKS).parts and "time" in tomllib.loads(deck.read_text()))  # fmt: skip
     paths = {deck: (folder / deck.relative_to(DECKS)).with_suffix(".png") for deck in decks}
